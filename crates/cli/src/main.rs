@@ -1,0 +1,2 @@
+//! The `unframed` command.
+fn main() {}

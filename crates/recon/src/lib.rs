@@ -1,0 +1,2 @@
+//! The reconstructor. Under construction.
+#![no_std]

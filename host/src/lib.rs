@@ -1,0 +1,7 @@
+//! The host: a renderer that never waits for a frame.
+//!
+//! Data flows one way: [`scene`] (what there is) → [`trace`] (what a ray sees at an instant) →
+//! `sampler` (where and when to look next) → `stream` (bytes for the display).
+
+pub mod scene;
+pub mod trace;
