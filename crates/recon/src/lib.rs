@@ -1,2 +1,49 @@
-//! The reconstructor. Under construction.
+//! The reconstructor: `no_std`, no heap, no `unsafe`, integers where it counts.
+//!
+//! A [`Display`] takes the packets of a stream and, at each refresh, makes the picture of that
+//! instant from all stored samples: it moves them to the view and poses of the instant, drops
+//! those hidden behind others, weighs each by its age and the lifetime of its place, fits a mean
+//! or a plane at every pixel and fills what no sample reached. Each step is a module:
+//!
+//! | layer | modules |
+//! |---|---|
+//! | integer kernels, compile-time tables | [`num`], [`tables`] |
+//! | what arithmetic is, in integers and in floats | [`arith`], [`fixed`], `float` |
+//! | what is kept | [`deep`], [`tiles`], [`memory`], `heap` |
+//! | the steps of a refresh | [`transform`], [`hidden`], [`extents`], [`splat`], [`solve`], [`fill`] |
+//! | all together | [`config`], [`display`], [`scanout`] |
+//!
+//! Nothing here panics on any input: packets are checked on arrival (`transform::*_is_sound`),
+//! indices are looked up, sums are bounded (`docs/NUMERICS.md`).
 #![no_std]
+
+#[cfg(feature = "heap")]
+extern crate alloc;
+#[cfg(test)]
+extern crate std;
+
+pub mod arith;
+pub mod config;
+pub mod deep;
+pub mod display;
+pub mod extents;
+pub mod fill;
+pub mod fixed;
+#[cfg(feature = "float")]
+pub mod float;
+#[cfg(feature = "heap")]
+pub mod heap;
+pub mod hidden;
+pub mod memory;
+pub mod num;
+pub mod scanout;
+pub mod solve;
+pub mod splat;
+pub mod tables;
+pub mod tiles;
+pub mod transform;
+
+pub use arith::{Arith, Panel};
+pub use config::Config;
+pub use display::Display;
+pub use fixed::Fixed;

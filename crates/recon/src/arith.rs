@@ -1,0 +1,205 @@
+//! The arithmetic that the reconstructor is generic over.
+//!
+//! [`Fixed`](crate::fixed::Fixed) is what is deployed: integers alone, equal bits everywhere.
+//! `f32` and `f64` (feature `float`) run the same algorithm; `f64` is the oracle. What is discrete
+//! by design (filter widths in steps of 1/8 octave, tile codes, 8-bit colour) is discrete in all.
+
+use crate::config::TimeKernel;
+use crate::tiles::TileMap;
+use unframed_wire::{Pose, View};
+
+/// Pixels around the panel in which a sample still reaches the picture.
+pub const GUARD: i32 = 8;
+/// How far from its centre a footprint can reach, pixels.
+pub const REACH: i32 = 4;
+
+/// The panel's size and what follows from it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Panel {
+    /// Pixels a row, 1..=[`Panel::LIMIT`].
+    pub width: u16,
+    /// Rows, 1..=[`Panel::LIMIT`].
+    pub height: u16,
+    /// log2 of the first power of two not below width or height plus both guards.
+    pub extent_bits: u8,
+    /// Fractional bits of a fixed-point coordinate: 16 − `extent_bits`, at most 7.
+    pub frac_bits: u8,
+}
+
+impl Panel {
+    /// The largest width or height.
+    pub const LIMIT: u16 = 4080;
+
+    /// A panel of this size, `None` when it is empty or beyond the limit.
+    #[must_use]
+    pub const fn new(width: u16, height: u16) -> Option<Self> {
+        if width == 0 || height == 0 || width > Self::LIMIT || height > Self::LIMIT {
+            return None;
+        }
+        let larger = if width > height { width } else { height } as u32 + 2 * GUARD as u32;
+        let extent_bits = larger.next_power_of_two().trailing_zeros() as u8;
+        let frac_bits = if extent_bits < 9 { 7 } else { 16 - extent_bits };
+        Some(Self { width, height, extent_bits, frac_bits })
+    }
+
+    /// Number of pixels.
+    #[must_use]
+    pub const fn pixels(&self) -> usize {
+        self.width as usize * self.height as usize
+    }
+
+    /// Index of the pixel nearest to `(x, y)`, which may lie in the guard band.
+    #[inline]
+    #[must_use]
+    pub fn nearest(&self, x: i32, y: i32) -> usize {
+        let x = x.clamp(0, i32::from(self.width) - 1);
+        let y = y.clamp(0, i32::from(self.height) - 1);
+        y as usize * usize::from(self.width) + x as usize
+    }
+}
+
+/// A sample moved to the refresh instant.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Projected<A: Arith> {
+    /// x, from the left edge of the guard band.
+    pub x: A::Coord,
+    /// y, from the top edge of the guard band.
+    pub y: A::Coord,
+    /// Logarithmic depth.
+    pub depth: A::Depth,
+    /// What it counts for: its decline with age; zero when it is out of sight.
+    pub weight: A::Weight,
+    /// Filter widths in x and y, indices into [`crate::tables::TAPS`].
+    pub widths: [u8; 2],
+}
+
+/// A colour and how much is known of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Texel<A: Arith> {
+    /// Red, green, blue: light from 0 to [`Arith::light`] of 65535.
+    pub light: [A::Light; 3],
+    /// 0 nothing … 1 enough.
+    pub confidence: A::Confidence,
+}
+
+/// One pixel's sums for a mean: Σw, Σw·r, Σw·g, Σw·b.
+pub type Sums<A> = [<A as Arith>::Sum; 4];
+/// One pixel's further sums for a plane: Σw·x, Σw·y, Σw·x², Σw·xy, Σw·y², then Σw·x·c and Σw·y·c
+/// of each colour.
+pub type Moments<A> = [<A as Arith>::Sum; 11];
+
+/// Numbers and the steps whose rounding depends on them.
+pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
+    /// A screen coordinate, pixels from the guard band's edge.
+    type Coord: Copy + Default + Send + Sync + core::fmt::Debug;
+    /// log2 of depth: any unit, monotone.
+    type Depth: Copy + Default + PartialOrd + Send + Sync + core::fmt::Debug;
+    /// A weight in 0..=1.
+    type Weight: Copy + Default + PartialOrd + Send + Sync + core::fmt::Debug;
+    /// A sum of weights around a pixel.
+    type Mass: Copy + Default + Send + Sync + core::fmt::Debug;
+    /// log2 of a positive quantity.
+    type Log: Copy + Default + Send + Sync + core::fmt::Debug;
+    /// A sum of products, one of the pixel's.
+    type Sum: Copy + Default + Send + Sync + core::fmt::Debug;
+    /// A light value.
+    type Light: Copy + Default + PartialEq + Send + Sync + core::fmt::Debug;
+    /// A confidence in 0..=1.
+    type Confidence: Copy + Default + PartialEq + Send + Sync + core::fmt::Debug;
+    /// View and pose composed.
+    type Transform: Copy + Default + Send + Sync + core::fmt::Debug;
+
+    /// Deeper than anything.
+    const FAR: Self::Depth;
+
+    /// Composes a sound view with a sound pose.
+    fn compose(view: &View, pose: &Pose) -> Self::Transform;
+
+    /// Where a lattice point is seen: x, y and depth; `None` behind the eye or beyond the guard.
+    fn project(
+        transform: &Self::Transform,
+        panel: &Panel,
+        place: [i16; 3],
+    ) -> Option<(Self::Coord, Self::Coord, Self::Depth)>;
+
+    /// The coordinate of 1/16 pixels from the panel's edge.
+    fn from_sixteenths(panel: &Panel, v: u16) -> Self::Coord;
+
+    /// 1/16 pixels from the panel's edge, rounded down.
+    fn to_sixteenths(panel: &Panel, v: Self::Coord) -> i32;
+
+    /// The pixel of a coordinate, −[`GUARD`] and up.
+    fn pixel(panel: &Panel, v: Self::Coord) -> i32;
+
+    /// Depth made farther by the tolerance of the hidden-point test at cells of `cell` pixels
+    /// (1, 2 or 32): a factor of 1 + 0.05·cell.
+    fn behind(depth: Self::Depth, cell: u32) -> Self::Depth;
+
+    /// log2 of the lifetime at a place, seconds, bilinear between tiles.
+    fn lifetime(map: &TileMap<'_>, panel: &Panel, x: Self::Coord, y: Self::Coord) -> Self::Log;
+
+    /// A log quantity given with 8 fractional bits.
+    fn log(q8: i16) -> Self::Log;
+
+    /// Gradient-shaped extents (Dayal et al. 2005 §5.1) at a place: log2 of e_t in seconds, and
+    /// the widths of σ = 0.65·e in x and y, see [`crate::extents`].
+    fn extents(
+        map: &TileMap<'_>,
+        panel: &Panel,
+        x: Self::Coord,
+        y: Self::Coord,
+    ) -> (Self::Log, u8, u8);
+
+    /// Weight of a sample `age` microseconds old.
+    fn decline(kernel: TimeKernel, age: u32, lifetime: Self::Log) -> Self::Weight;
+
+    /// Whether a weight counts at all.
+    fn counts(weight: Self::Weight) -> bool;
+
+    /// Adds a weight to a mass.
+    fn gather(mass: &mut Self::Mass, weight: Self::Weight);
+
+    /// Adds masses.
+    fn add_mass(a: Self::Mass, b: Self::Mass) -> Self::Mass;
+
+    /// Index of the filter width for a mass in 5 × 5 pixels: σ = 0.55·5/√mass in 0.35..=1.2 px.
+    fn width_of(mass: Self::Mass) -> u8;
+
+    /// Filter tap of a width at the distance of coordinate `v` from the centre of `pixel`.
+    fn tap(panel: &Panel, width: u8, v: Self::Coord, pixel: i32) -> Self::Weight;
+
+    /// Product of weights.
+    fn times(a: Self::Weight, b: Self::Weight) -> Self::Weight;
+
+    /// A light of 16 bits.
+    fn light(v: u16) -> Self::Light;
+
+    /// Adds one sample's share to a pixel's sums.
+    fn add(sums: &mut Sums<Self>, weight: Self::Weight, light: [Self::Light; 3]);
+
+    /// Adds one sample's share to a pixel's moments; (x, y) from the pixel's centre.
+    fn add_moments(
+        moments: &mut Moments<Self>,
+        panel: &Panel,
+        weight: Self::Weight,
+        light: [Self::Light; 3],
+        at: (Self::Coord, Self::Coord),
+        pixel: (i32, i32),
+    );
+
+    /// The weighted mean; nothing known where nothing was added.
+    fn mean(sums: &Sums<Self>) -> Texel<Self>;
+
+    /// The plane at the pixel's centre.
+    fn plane(sums: &Sums<Self>, moments: &Moments<Self>) -> Texel<Self>;
+
+    /// Four texels (or fewer, at an odd border: then with confidence zero) as one of the next
+    /// coarser level: confidence-weighted mean, confidences added up to 1.
+    fn pull(children: [Texel<Self>; 4]) -> Texel<Self>;
+
+    /// A texel, what it lacks in confidence made up from coarser ones (weights 9, 3, 3, 1 of 16).
+    fn push(fine: Texel<Self>, coarse: [Texel<Self>; 4]) -> Texel<Self>;
+
+    /// A light as 16 bits, rounded.
+    fn to_u16(light: Self::Light) -> u16;
+}

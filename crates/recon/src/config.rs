@@ -1,0 +1,132 @@
+//! What the display does with the samples: every part can be switched off, so that its worth can
+//! be measured.
+
+/// How samples become a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// Traditional frameless display (Bishop et al. 1994): each pixel shows the newest sample that
+    /// fell into it.
+    Newest,
+    /// Space-time filtering of all stored samples (Dayal et al. 2005 §5).
+    SpaceTime,
+}
+
+/// What shapes the filter in space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Extents {
+    /// One width everywhere: log2 of σ in pixels, 8 fractional bits.
+    Constant(i16),
+    /// σ = 0.55/√density, clamped to 0.35..=1.2 px, the density being the weight of the live
+    /// samples in the 5 × 5 pixels around.
+    Density,
+    /// Extents from the tiles' gradients and sampling density (Dayal et al. 2005 §5.1).
+    Gradient,
+}
+
+/// What gives a sample's lifetime.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lifetime {
+    /// One lifetime everywhere: log2 of seconds, 8 fractional bits.
+    Constant(i16),
+    /// The lifetimes of the tiles, measured along reprojected hits.
+    Tiles,
+    /// The temporal extent e_t from the tiles' gradients (Dayal et al. 2005 §5.1).
+    Gradient,
+}
+
+/// How weight declines with u = age/lifetime.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TimeKernel {
+    /// 1/(1 + u² + u⁴).
+    Rational,
+    /// e^(−u²/2).
+    Gaussian,
+    /// e^(−u): the relative weight of two samples does not change as both age.
+    Exponential,
+}
+
+/// What is fitted to the weighted samples around a pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fit {
+    /// Their mean.
+    Constant,
+    /// A plane, its slopes held by a ridge: 11 more sums a pixel.
+    Linear,
+}
+
+/// The quantity that is filtered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Light {
+    /// Linear light: an average is what a lens would give.
+    Linear,
+    /// The encoded value as displayed.
+    Encoded,
+}
+
+/// The parts of the reconstructor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Config {
+    /// How samples become a picture.
+    pub mode: Mode,
+    /// Whether samples are moved to the view and poses of the refresh instant; otherwise they
+    /// stay where they fell.
+    pub reproject: bool,
+    /// Whether samples behind others are dropped.
+    pub hidden: bool,
+    /// What shapes the filter in space.
+    pub extents: Extents,
+    /// What gives a sample's lifetime.
+    pub lifetime: Lifetime,
+    /// How weight declines with age.
+    pub kernel: TimeKernel,
+    /// What is fitted.
+    pub fit: Fit,
+    /// Whether pixels with little weight are filled from around (pull-push).
+    pub fill: bool,
+    /// The quantity that is filtered.
+    pub light: Light,
+}
+
+impl Config {
+    /// The default: everything that earns its cost.
+    pub const ADAPTIVE: Self = Self {
+        mode: Mode::SpaceTime,
+        reproject: true,
+        hidden: true,
+        extents: Extents::Density,
+        lifetime: Lifetime::Tiles,
+        kernel: TimeKernel::Rational,
+        fit: Fit::Linear,
+        fill: true,
+        light: Light::Linear,
+    };
+
+    /// Traditional frameless display.
+    pub const NEWEST: Self = Self { mode: Mode::Newest, ..Self::ADAPTIVE };
+
+    /// Reprojection and one constant filter: σ 0.6 px, e^(−u²/2) with 0.25 s.
+    pub const UNIFORM: Self = Self {
+        hidden: false,
+        extents: Extents::Constant(-189),
+        lifetime: Lifetime::Constant(-512),
+        kernel: TimeKernel::Gaussian,
+        fit: Fit::Constant,
+        ..Self::ADAPTIVE
+    };
+
+    /// The reconstructor of Dayal et al. 2005, with holes filled.
+    pub const PAPER: Self = Self {
+        hidden: false,
+        extents: Extents::Gradient,
+        lifetime: Lifetime::Gradient,
+        kernel: TimeKernel::Gaussian,
+        fit: Fit::Constant,
+        ..Self::ADAPTIVE
+    };
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self::ADAPTIVE
+    }
+}

@@ -1,0 +1,144 @@
+//! The deep buffer: the newest N samples in a ring.
+
+use unframed_wire::Tick;
+
+/// How [`Stored::place`] is to be read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Placing {
+    /// Nothing is stored here.
+    #[default]
+    Empty,
+    /// A lattice point of an object.
+    Lattice,
+    /// Screen coordinates in 1/16 pixel (as `u16` bits) and depth 0.
+    Screen,
+}
+
+/// One stored sample: 16 bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(C)]
+pub struct Stored {
+    /// When it was taken.
+    pub time: u32,
+    /// Where, see [`Placing`].
+    pub place: [i16; 3],
+    /// Red, green, blue, as received.
+    pub rgb: [u8; 3],
+    /// Index of the pose, see [`slot`].
+    pub slot: u8,
+    /// How `place` is to be read.
+    pub placing: Placing,
+}
+
+const _: () = assert!(core::mem::size_of::<Stored>() == 16);
+
+/// The pose slot of an object: the sky first, then objects from 0.
+#[must_use]
+pub const fn slot(object: u8) -> u8 {
+    object.wrapping_add(1)
+}
+
+/// The ring over the caller's storage.
+#[derive(Debug)]
+pub struct DeepBuffer<'a> {
+    samples: &'a mut [Stored],
+    next: usize,
+    len: usize,
+}
+
+impl<'a> DeepBuffer<'a> {
+    /// An empty ring that holds as many samples as `storage`.
+    pub fn new(storage: &'a mut [Stored]) -> Self {
+        Self { samples: storage, next: 0, len: 0 }
+    }
+
+    /// Samples stored.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether nothing is stored.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Stores a sample in the place of the oldest.
+    #[inline]
+    pub fn push(&mut self, sample: Stored) {
+        if let Some(place) = self.samples.get_mut(self.next) {
+            *place = sample;
+            self.next += 1;
+            self.len = self.len.max(self.next);
+            if self.next == self.samples.len() {
+                self.next = 0;
+            }
+        }
+    }
+
+    /// Forgets all samples.
+    pub fn clear(&mut self) {
+        self.next = 0;
+        self.len = 0;
+    }
+
+    /// The stored samples, in no order.
+    #[must_use]
+    pub fn samples(&self) -> &[Stored] {
+        self.samples.get(..self.len).unwrap_or(&[])
+    }
+
+    /// The same, to be changed in place.
+    pub fn samples_mut(&mut self) -> &mut [Stored] {
+        self.samples.get_mut(..self.len).unwrap_or(&mut [])
+    }
+}
+
+/// Age in microseconds at `now`: 0 for samples from the future, `None` when so old (or so far
+/// ahead: 2^30 µs, 17.9 minutes) that the clock's wrap would soon make it young again.
+#[inline]
+#[must_use]
+pub const fn age(sample: u32, now: Tick) -> Option<u32> {
+    let age = now.since(Tick(sample));
+    if age >= 1 << 30 || age <= -(1 << 30) {
+        None
+    } else if age < 0 {
+        Some(0)
+    } else {
+        Some(age as u32)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_ring_keeps_the_newest() {
+        let mut storage = [Stored::default(); 3];
+        let mut ring = DeepBuffer::new(&mut storage);
+        for time in 0..5 {
+            ring.push(Stored { time, ..Stored::default() });
+        }
+        let mut times: std::vec::Vec<_> = ring.samples().iter().map(|s| s.time).collect();
+        times.sort_unstable();
+        assert_eq!(times, [2, 3, 4]);
+    }
+
+    #[test]
+    fn a_ring_without_storage_takes_nothing() {
+        let mut ring = DeepBuffer::new(&mut []);
+        ring.push(Stored::default());
+        assert!(ring.is_empty());
+    }
+
+    #[test]
+    fn age_survives_the_wrap() {
+        assert_eq!(age(u32::MAX - 9, Tick(10)), Some(20));
+        assert_eq!(age(10, Tick(u32::MAX - 9)), Some(0));
+        assert_eq!(age(0, Tick(1 << 30)), None);
+        assert_eq!(age(0, Tick(1 << 31)), None);
+    }
+}

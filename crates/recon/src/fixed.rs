@@ -1,0 +1,328 @@
+//! The deployed arithmetic: integers alone. Formats and bounds are in `docs/NUMERICS.md`.
+
+use crate::arith::{Arith, GUARD, Moments, Panel, Sums, Texel};
+use crate::config::TimeKernel;
+use crate::extents;
+use crate::num::{Divider, exponent, log2_q11, mul_hi, normalise, reciprocal, shift};
+use crate::tables::{TAP_LEN, TAPS, TIME, TIME_FIRST, TIME_LEN};
+use crate::tiles::{CELL_BITS, Cell, TileMap};
+use crate::transform::Transform;
+use unframed_wire::{LogCode, Pose, View};
+
+/// Fixed point: coordinates with [`Panel::frac_bits`], depths as log2 with 11, weights and
+/// confidences with 15 fractional bits, light with 16 bits, sums with 64.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Fixed;
+
+/// log2 of the nearest depth that is told apart, world units: 2^−8.
+const DEPTH_FIRST: i32 = -8;
+/// One, with 15 fractional bits.
+const ONE: u32 = 1 << 15;
+/// log2 of 10^6 with 8 fractional bits: microseconds in a second.
+const LOG2_MICROS: i32 = 5103;
+/// Weight at which a pixel is known well enough: 0.3.
+const ENOUGH: u64 = 9830;
+/// Fractional bits of pixel distances in moments.
+const DISTANCE_BITS: u32 = 7;
+/// The ridge on the plane's slopes, px² with 20 fractional bits, see [`crate::solve`].
+const RIDGE: i64 = crate::solve::RIDGE_Q20;
+
+/// log2 with 8 fractional bits, rounded.
+fn log2_q8(v: u64) -> i32 {
+    (log2_q11(v) + 4) >> 3
+}
+
+/// Where a coordinate lies between the centres of cells: the cell before, and the way to the
+/// next in 1/64.
+fn between_cells(panel: &Panel, v: u16) -> (i32, i32) {
+    let bits = u32::from(panel.frac_bits);
+    let from_centre = i32::from(v) - (GUARD << bits) - ((1 << CELL_BITS >> 1) << bits);
+    let cell = from_centre >> (bits + CELL_BITS);
+    let rest = from_centre & ((1 << (bits + CELL_BITS)) - 1);
+    (cell, shift(i64::from(rest), 6 - (bits + CELL_BITS) as i32) as i32)
+}
+
+/// A tile quantity, bilinear between cells: log2 with 8 fractional bits.
+fn bilinear(cells: &[Cell; 4], fx: i32, fy: i32, of: impl Fn(&Cell) -> LogCode) -> i32 {
+    let [a, b, c, d] = [0, 1, 2, 3].map(|i| of(&cells[i]).log2_q8());
+    let top = a * (64 - fx) + b * fx;
+    let bottom = c * (64 - fx) + d * fx;
+    (top * (64 - fy) + bottom * fy + 2048) >> 12
+}
+
+impl Arith for Fixed {
+    type Coord = u16;
+    type Depth = u16;
+    type Weight = u16;
+    type Mass = u32;
+    type Log = i32;
+    type Sum = i64;
+    type Light = u16;
+    type Confidence = u16;
+    type Transform = Transform;
+
+    const FAR: u16 = u16::MAX;
+
+    fn compose(view: &View, pose: &Pose) -> Transform {
+        Transform::compose(view, pose)
+    }
+
+    #[inline]
+    fn project(transform: &Transform, panel: &Panel, place: [i16; 3]) -> Option<(u16, u16, u16)> {
+        let [nx, ny, w] = transform.numerators(place);
+        // |n| < 2^50, so the products with at most 2^12 cannot overflow.
+        let x = nx + w * i64::from(GUARD);
+        let y = ny + w * i64::from(GUARD);
+        if w <= 0
+            || x < 0
+            || y < 0
+            || x >= w * (i64::from(panel.width) + 2 * i64::from(GUARD))
+            || y >= w * (i64::from(panel.height) + 2 * i64::from(GUARD))
+        {
+            return None;
+        }
+        let top = exponent(w as u64);
+        let inverse = reciprocal(normalise(w as u64));
+        let extent = i32::from(panel.extent_bits);
+        let drop = 31 - extent - i32::from(panel.frac_bits);
+        let quotient = |v: i64| (mul_hi(shift(v, 31 - top - extent) as u32, inverse) >> drop) as u16;
+        let depth = log2_q11(w as u64) + (transform.exponent - DEPTH_FIRST) * 2048;
+        Some((quotient(x), quotient(y), depth.clamp(0, 65534) as u16))
+    }
+
+    fn from_sixteenths(panel: &Panel, v: u16) -> u16 {
+        let v = u32::from(v) + ((GUARD as u32) << 4);
+        ((v << panel.frac_bits) >> 4).min(u32::from(u16::MAX)) as u16
+    }
+
+    fn to_sixteenths(panel: &Panel, v: u16) -> i32 {
+        ((i32::from(v) << 4) >> panel.frac_bits) - (GUARD << 4)
+    }
+
+    #[inline]
+    fn pixel(panel: &Panel, v: u16) -> i32 {
+        i32::from(v >> panel.frac_bits) - GUARD
+    }
+
+    #[inline]
+    fn behind(depth: u16, cell: u32) -> u16 {
+        // log2(1.05), log2(1.1), log2(2.6) with 11 fractional bits.
+        depth.saturating_add(match cell {
+            1 => 144,
+            2 => 282,
+            _ => 2823,
+        })
+    }
+
+    #[inline]
+    fn lifetime(map: &TileMap<'_>, panel: &Panel, x: u16, y: u16) -> i32 {
+        let ((column, fx), (row, fy)) = (between_cells(panel, x), between_cells(panel, y));
+        bilinear(&map.around(column, row), fx, fy, |cell| cell.lifetime)
+    }
+
+    fn log(q8: i16) -> i32 {
+        i32::from(q8)
+    }
+
+    fn extents(map: &TileMap<'_>, panel: &Panel, x: u16, y: u16) -> (i32, u8, u8) {
+        let ((column, fx), (row, fy)) = (between_cells(panel, x), between_cells(panel, y));
+        let cells = map.around(column, row);
+        let log = |of: fn(&Cell) -> LogCode| bilinear(&cells, fx, fy, of);
+        let (ex, ey, et) = extents::extents(
+            log(|cell| cell.gx),
+            log(|cell| cell.gy),
+            log(|cell| cell.gt),
+            log(|cell| cell.density),
+        );
+        (et, extents::width_of_extent(ex), extents::width_of_extent(ey))
+    }
+
+    #[inline]
+    fn decline(kernel: TimeKernel, age: u32, lifetime: i32) -> u16 {
+        let table = match kernel {
+            TimeKernel::Rational => &TIME[0],
+            TimeKernel::Gaussian => &TIME[1],
+            TimeKernel::Exponential => &TIME[2],
+        };
+        let u = log2_q8(u64::from(age)) - LOG2_MICROS - lifetime;
+        let index = (u - TIME_FIRST).max(0) as usize;
+        table.get(index.min(TIME_LEN)).copied().unwrap_or(0)
+    }
+
+    #[inline]
+    fn counts(weight: u16) -> bool {
+        weight != 0
+    }
+
+    #[inline]
+    fn gather(mass: &mut u32, weight: u16) {
+        // 8 fractional bits: 2^16 samples of one pixel fit, more saturate.
+        *mass = mass.saturating_add(u32::from(weight >> 7)).min(1 << 24);
+    }
+
+    #[inline]
+    fn add_mass(a: u32, b: u32) -> u32 {
+        a + b
+    }
+
+    #[inline]
+    fn width_of(mass: u32) -> u8 {
+        // log2(0.55 · 5) − ½ log2(mass), and mass has 8 fractional bits.
+        let sigma = 374 - ((log2_q8(u64::from(mass.max(1))) - 8 * 256) >> 1);
+        // 1.2 px is log2 67/256.
+        extents::width_of_log2(sigma.min(67))
+    }
+
+    #[inline]
+    fn tap(panel: &Panel, width: u8, v: u16, pixel: i32) -> u16 {
+        let bits = u32::from(panel.frac_bits);
+        let centre = ((pixel + GUARD) << bits) + (1 << bits >> 1);
+        let distance = (i32::from(v) - centre).unsigned_abs() << (DISTANCE_BITS - bits);
+        TAPS.get(usize::from(width))
+            .and_then(|taps| taps.get((distance as usize).min(TAP_LEN)))
+            .copied()
+            .unwrap_or(0)
+    }
+
+    #[inline]
+    fn times(a: u16, b: u16) -> u16 {
+        ((u32::from(a) * u32::from(b) + (ONE >> 1)) >> 15) as u16
+    }
+
+    #[inline]
+    fn light(v: u16) -> u16 {
+        v
+    }
+
+    #[inline]
+    fn add(sums: &mut Sums<Self>, weight: u16, light: [u16; 3]) {
+        // A share is below 2^31: 2^32 samples on one pixel would fit.
+        sums[0] += i64::from(weight);
+        for (sum, light) in sums[1..].iter_mut().zip(light) {
+            *sum += i64::from(u32::from(weight) * u32::from(light));
+        }
+    }
+
+    #[inline]
+    fn add_moments(
+        moments: &mut Moments<Self>,
+        panel: &Panel,
+        weight: u16,
+        light: [u16; 3],
+        at: (u16, u16),
+        pixel: (i32, i32),
+    ) {
+        let bits = u32::from(panel.frac_bits);
+        let distance = |v: u16, pixel: i32| {
+            (i32::from(v) - ((pixel + GUARD) << bits) - (1 << bits >> 1)) << (DISTANCE_BITS - bits)
+        };
+        let (x, y) = (distance(at.0, pixel.0), distance(at.1, pixel.1));
+        let w = i32::from(weight);
+        // |x| < 2^9 within a footprint: w·x < 2^24, w·x² < 2^33, w·x·light < 2^40.
+        let (wx, wy) = (i64::from(w * x), i64::from(w * y));
+        moments[0] += wx;
+        moments[1] += wy;
+        moments[2] += wx * i64::from(x);
+        moments[3] += wx * i64::from(y);
+        moments[4] += wy * i64::from(y);
+        for (c, light) in light.into_iter().enumerate() {
+            moments[5 + c] += wx * i64::from(light);
+            moments[8 + c] += wy * i64::from(light);
+        }
+    }
+
+    #[inline]
+    fn mean(sums: &Sums<Self>) -> Texel<Self> {
+        if sums[0] <= 0 {
+            return Texel::default();
+        }
+        let divider = Divider::new(sums[0] as u64);
+        Texel {
+            // The mean of 16-bit lights comes with 15 fractional bits.
+            light: [1, 2, 3].map(|c| to_light(i64::from(divider.ratio(sums[c], 16)))),
+            confidence: confidence(sums[0]),
+        }
+    }
+
+    fn plane(sums: &Sums<Self>, moments: &Moments<Self>) -> Texel<Self> {
+        if sums[0] <= 0 {
+            return Texel::default();
+        }
+        let divider = Divider::new(sums[0] as u64);
+        // Means: lights with 15 fractional bits; x, y in px with 20; squares in px² with 20.
+        let mean = |v: i64, bits: i32| i64::from(divider.ratio(v, bits));
+        let c: [i64; 3] = [1, 2, 3].map(|k| mean(sums[k], 16));
+        // |x| < 2^9 in 1/128 px: 22 + 7 fractional bits of a pixel.
+        let x = mean(moments[0], 9) >> 9;
+        let y = mean(moments[1], 9) >> 9;
+        // |x²| < 2^18 in 2^−14 px²: 13 + 14 fractional bits.
+        let square = |k: usize| mean(moments[k], 18) >> 7;
+        let xx = square(2) - ((x * x) >> 20) + RIDGE;
+        let xy = square(3) - ((x * y) >> 20);
+        let yy = square(4) - ((y * y) >> 20) + RIDGE;
+        // Below (4 px)² each: 2^24, products 2^48; positive since RIDGE outweighs the rounding.
+        let determinant = (xx * yy - xy * xy).max(RIDGE * RIDGE / 4);
+        // The plane at the centre is c − cov(x, c)·hx − cov(y, c)·hy.
+        let by = Divider::new(determinant as u64);
+        // Numerators below 2^22·2^25 px³; |h| ≤ 4 px/RIDGE < 2^8 a pixel: 23 fractional bits.
+        let hx = i64::from(by.ratio((yy * x - xy * y) >> 12, -4)) >> 11;
+        let hy = i64::from(by.ratio((xx * y - xy * x) >> 12, -4)) >> 11;
+        let light = [0, 1, 2].map(|k| {
+            // |x·light| < 2^25 in 1/128 px: 6 + 7 fractional bits, as light·px with 13.
+            let cx = mean(moments[5 + k], 25) - ((c[k] * x) >> 22);
+            let cy = mean(moments[8 + k], 25) - ((c[k] * y) >> 22);
+            to_light(c[k] - ((cx * hx + cy * hy) >> 10))
+        });
+        Texel { light, confidence: confidence(sums[0]) }
+    }
+
+    #[inline]
+    fn pull(children: [Texel<Self>; 4]) -> Texel<Self> {
+        let total: u32 = children.iter().map(|t| u32::from(t.confidence)).sum();
+        if total == 0 {
+            return Texel::default();
+        }
+        let divider = Divider::new(u64::from(total));
+        let light = [0, 1, 2].map(|c| {
+            let sum: u64 = children
+                .iter()
+                .map(|t| u64::from(t.light[c]) * u64::from(t.confidence))
+                .sum();
+            to_light(i64::from(divider.ratio(sum as i64, 16)))
+        });
+        Texel { light, confidence: total.min(ONE) as u16 }
+    }
+
+    #[inline]
+    fn push(fine: Texel<Self>, coarse: [Texel<Self>; 4]) -> Texel<Self> {
+        let own = u32::from(fine.confidence);
+        if own >= ONE {
+            return fine;
+        }
+        let light = [0, 1, 2].map(|c| {
+            let around: u32 = coarse
+                .iter()
+                .zip([9, 3, 3, 1])
+                .map(|(t, weight)| u32::from(t.light[c]) * weight)
+                .sum();
+            let around = (around + 8) >> 4;
+            ((own * u32::from(fine.light[c]) + (ONE - own) * around + (ONE >> 1)) >> 15) as u16
+        });
+        Texel { light, confidence: ONE as u16 }
+    }
+
+    fn to_u16(light: u16) -> u16 {
+        light
+    }
+}
+
+/// A light of 15 fractional bits, rounded and clamped.
+fn to_light(v: i64) -> u16 {
+    ((v + (1 << 14)) >> 15).clamp(0, 65535) as u16
+}
+
+/// min(1, weight/0.3).
+fn confidence(weight: i64) -> u16 {
+    let weight = (weight as u64).min(ENOUGH) as u32;
+    ((weight * ONE) / ENOUGH as u32) as u16
+}

@@ -1,0 +1,267 @@
+//! The same algorithm in floating point: `f64` is the oracle, `f32` the comparison.
+//!
+//! Nothing of this decides the deployed picture; it may use library functions.
+
+use crate::arith::{Arith, GUARD, Moments, Panel, Sums, Texel};
+use crate::config::TimeKernel;
+use crate::extents;
+use crate::tables::{SIGMA_FIRST, SIGMA_STEP, SIGMAS};
+use crate::tiles::{CELL, Cell, TileMap};
+use unframed_wire::{LogCode, Pose, View};
+
+/// A view and a pose composed, in floating point: see [`crate::transform`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FloatTransform<F> {
+    matrix: [[F; 3]; 3],
+    offset: [F; 3],
+}
+
+macro_rules! float_arith {
+    ($float:ty, $exp2:path, $log2:path, $exp:path, $floor:path) => {
+        impl Arith for $float {
+            type Coord = $float;
+            type Depth = $float;
+            type Weight = $float;
+            type Mass = $float;
+            type Log = $float;
+            type Sum = $float;
+            type Light = $float;
+            type Confidence = $float;
+            type Transform = FloatTransform<$float>;
+
+            const FAR: $float = <$float>::INFINITY;
+
+            fn compose(view: &View, pose: &Pose) -> Self::Transform {
+                let view_unit = $exp2(-<$float>::from(view.frac_bits));
+                let pose_unit = $exp2(-<$float>::from(pose.frac_bits));
+                let row = |k: usize, j: usize| view.rows[k][j] as $float * view_unit;
+                let matrix = core::array::from_fn(|k| {
+                    core::array::from_fn(|i| {
+                        (0..3).map(|j| row(k, j) * (pose.matrix[j][i] as $float * pose_unit)).sum()
+                    })
+                });
+                let offset = core::array::from_fn(|k| {
+                    (0..3)
+                        .map(|j| {
+                            let d = i64::from(pose.translation[j]) - i64::from(view.eye[j]);
+                            row(k, j) * d as $float
+                        })
+                        .sum()
+                });
+                FloatTransform { matrix, offset }
+            }
+
+            fn project(
+                transform: &Self::Transform,
+                panel: &Panel,
+                place: [i16; 3],
+            ) -> Option<($float, $float, $float)> {
+                let mut n = transform.offset;
+                for (n, row) in n.iter_mut().zip(&transform.matrix) {
+                    for (m, q) in row.iter().zip(place) {
+                        *n += *m * <$float>::from(q);
+                    }
+                }
+                let guard = GUARD as $float;
+                let (x, y) = (n[0] / n[2] + guard, n[1] / n[2] + guard);
+                let inside = n[2] > 0.0
+                    && x >= 0.0
+                    && y >= 0.0
+                    && x < <$float>::from(panel.width) + 2.0 * guard
+                    && y < <$float>::from(panel.height) + 2.0 * guard;
+                inside.then(|| (x, y, $log2(n[2])))
+            }
+
+            fn from_sixteenths(_: &Panel, v: u16) -> $float {
+                <$float>::from(v) / 16.0 + GUARD as $float
+            }
+
+            fn to_sixteenths(_: &Panel, v: $float) -> i32 {
+                $floor((v - GUARD as $float) * 16.0) as i32
+            }
+
+            fn pixel(_: &Panel, v: $float) -> i32 {
+                $floor(v) as i32 - GUARD
+            }
+
+            fn behind(depth: $float, cell: u32) -> $float {
+                depth + $log2(1.0 + 0.05 * cell as $float)
+            }
+
+            fn lifetime(map: &TileMap<'_>, _: &Panel, x: $float, y: $float) -> $float {
+                let (cells, fx, fy) = around(map, x as f64, y as f64);
+                bilinear(&cells, fx, fy, |cell| cell.lifetime) as $float
+            }
+
+            fn log(q8: i16) -> $float {
+                <$float>::from(q8) / 256.0
+            }
+
+            fn extents(map: &TileMap<'_>, _: &Panel, x: $float, y: $float) -> ($float, u8, u8) {
+                let (cells, fx, fy) = around(map, x as f64, y as f64);
+                let log = |of: fn(&Cell) -> LogCode| {
+                    libm::round(bilinear(&cells, fx, fy, of) * 256.0) as i32
+                };
+                let (ex, ey, et) = extents::extents(
+                    log(|cell| cell.gx),
+                    log(|cell| cell.gy),
+                    log(|cell| cell.gt),
+                    log(|cell| cell.density),
+                );
+                let widths = (extents::width_of_extent(ex), extents::width_of_extent(ey));
+                (et as $float / 256.0, widths.0, widths.1)
+            }
+
+            fn decline(kernel: TimeKernel, age: u32, lifetime: $float) -> $float {
+                let u = age as $float * 1e-6 / $exp2(lifetime);
+                if u >= 16.0 {
+                    return 0.0;
+                }
+                let square = u * u;
+                match kernel {
+                    TimeKernel::Rational => 1.0 / (1.0 + square + square * square),
+                    TimeKernel::Gaussian => $exp(-0.5 * square),
+                    TimeKernel::Exponential => $exp(-u),
+                }
+            }
+
+            fn counts(weight: $float) -> bool {
+                // Half of the smallest fixed-point weight: the same samples take part.
+                weight >= 0.5 / 32768.0
+            }
+
+            fn gather(mass: &mut $float, weight: $float) {
+                *mass += weight;
+            }
+
+            fn add_mass(a: $float, b: $float) -> $float {
+                a + b
+            }
+
+            fn width_of(mass: $float) -> u8 {
+                let mass = if mass < 1.0 / 256.0 { 1.0 / 256.0 } else { mass };
+                let sigma = $log2(2.75) - 0.5 * $log2(mass);
+                extents::width_of_log2(libm::round(sigma as f64 * 256.0) as i32).min(
+                    extents::width_of_log2(67),
+                )
+            }
+
+            fn tap(_: &Panel, width: u8, v: $float, pixel: i32) -> $float {
+                let sigma = SIGMA_FIRST + SIGMA_STEP * i32::from(width).min(SIGMAS as i32 - 1);
+                let sigma = $exp2(sigma as $float / 256.0);
+                let d = v - (pixel + GUARD) as $float - 0.5;
+                let tap = $exp(-0.5 * (d / sigma) * (d / sigma));
+                if tap < 364.0 / 32768.0 || d.abs() >= 4.0 { 0.0 } else { tap }
+            }
+
+            fn times(a: $float, b: $float) -> $float {
+                a * b
+            }
+
+            fn light(v: u16) -> $float {
+                <$float>::from(v)
+            }
+
+            fn add(sums: &mut Sums<Self>, weight: $float, light: [$float; 3]) {
+                sums[0] += weight;
+                for (sum, light) in sums[1..].iter_mut().zip(light) {
+                    *sum += weight * light;
+                }
+            }
+
+            fn add_moments(
+                moments: &mut Moments<Self>,
+                _: &Panel,
+                weight: $float,
+                light: [$float; 3],
+                at: ($float, $float),
+                pixel: (i32, i32),
+            ) {
+                let x = at.0 - (pixel.0 + GUARD) as $float - 0.5;
+                let y = at.1 - (pixel.1 + GUARD) as $float - 0.5;
+                moments[0] += weight * x;
+                moments[1] += weight * y;
+                moments[2] += weight * x * x;
+                moments[3] += weight * x * y;
+                moments[4] += weight * y * y;
+                for (c, light) in light.into_iter().enumerate() {
+                    moments[5 + c] += weight * x * light;
+                    moments[8 + c] += weight * y * light;
+                }
+            }
+
+            fn mean(sums: &Sums<Self>) -> Texel<Self> {
+                if sums[0] <= 0.0 {
+                    return Texel::default();
+                }
+                Texel {
+                    light: [1, 2, 3].map(|c| sums[c] / sums[0]),
+                    confidence: (sums[0] / 0.3).min(1.0),
+                }
+            }
+
+            fn plane(sums: &Sums<Self>, moments: &Moments<Self>) -> Texel<Self> {
+                if sums[0] <= 0.0 {
+                    return Texel::default();
+                }
+                let ridge = crate::solve::RIDGE_Q20 as $float / 1048576.0;
+                let m = moments.map(|v| v / sums[0]);
+                let c = [1, 2, 3].map(|k| sums[k] / sums[0]);
+                let (x, y) = (m[0], m[1]);
+                let (xx, xy, yy) = (m[2] - x * x + ridge, m[3] - x * y, m[4] - y * y + ridge);
+                let determinant = xx * yy - xy * xy;
+                let (hx, hy) = ((yy * x - xy * y) / determinant, (xx * y - xy * x) / determinant);
+                let light = [0, 1, 2].map(|k| {
+                    let (cx, cy) = (m[5 + k] - c[k] * x, m[8 + k] - c[k] * y);
+                    (c[k] - cx * hx - cy * hy).clamp(0.0, 65535.0)
+                });
+                Texel { light, confidence: (sums[0] / 0.3).min(1.0) }
+            }
+
+            fn pull(children: [Texel<Self>; 4]) -> Texel<Self> {
+                let total: $float = children.iter().map(|t| t.confidence).sum();
+                if total <= 0.0 {
+                    return Texel::default();
+                }
+                let light = [0, 1, 2].map(|c| {
+                    children.iter().map(|t| t.light[c] * t.confidence).sum::<$float>() / total
+                });
+                Texel { light, confidence: total.min(1.0) }
+            }
+
+            fn push(fine: Texel<Self>, coarse: [Texel<Self>; 4]) -> Texel<Self> {
+                let own = fine.confidence;
+                if own >= 1.0 {
+                    return fine;
+                }
+                let light = [0, 1, 2].map(|c| {
+                    let around: $float =
+                        coarse.iter().zip([9.0, 3.0, 3.0, 1.0]).map(|(t, w)| t.light[c] * w).sum();
+                    own * fine.light[c] + (1.0 - own) * around / 16.0
+                });
+                Texel { light, confidence: 1.0 }
+            }
+
+            fn to_u16(light: $float) -> u16 {
+                (light + 0.5).clamp(0.0, 65535.0) as u16
+            }
+        }
+    };
+}
+
+float_arith!(f64, libm::exp2, libm::log2, libm::exp, libm::floor);
+float_arith!(f32, libm::exp2f, libm::log2f, libm::expf, libm::floorf);
+
+/// The four cells around a place and the way between their centres, 0..1.
+fn around(map: &TileMap<'_>, x: f64, y: f64) -> ([Cell; 4], f64, f64) {
+    let cell = CELL as f64;
+    let (u, v) = ((x - f64::from(GUARD)) / cell - 0.5, (y - f64::from(GUARD)) / cell - 0.5);
+    let (column, row) = (libm::floor(u), libm::floor(v));
+    (map.around(column as i32, row as i32), u - column, v - row)
+}
+
+/// A tile quantity, bilinear in the log2 domain.
+fn bilinear(cells: &[Cell; 4], fx: f64, fy: f64, of: impl Fn(&Cell) -> LogCode) -> f64 {
+    let [a, b, c, d] = [0, 1, 2, 3].map(|i| f64::from(of(&cells[i]).log2_q8()) / 256.0);
+    (a * (1.0 - fx) + b * fx) * (1.0 - fy) + (c * (1.0 - fx) + d * fx) * fy
+}

@@ -1,0 +1,68 @@
+//! Storage on the heap, for desktops (feature `heap`).
+
+use crate::arith::{Arith, Moments, Projected, Sums, Texel};
+use crate::deep::Stored;
+use crate::memory::{Memory, Needs, Slot};
+use crate::tiles::Cell;
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// The storage of a display of any size.
+#[derive(Debug)]
+pub struct HeapStorage<A: Arith> {
+    samples: Vec<Stored>,
+    projected: Vec<Projected<A>>,
+    minima: Vec<A::Depth>,
+    limits: Vec<A::Depth>,
+    mass: Vec<A::Mass>,
+    widths: Vec<u8>,
+    sums: Vec<Sums<A>>,
+    moments: Vec<Moments<A>>,
+    texels: Vec<Texel<A>>,
+    pyramid: Vec<Texel<A>>,
+    cells: Vec<Cell>,
+    slots: Vec<Slot<A>>,
+    picture: Vec<[u8; 3]>,
+}
+
+impl<A: Arith> HeapStorage<A> {
+    /// Storage for a panel of this size, `samples` in the deep buffer, all 256 objects, planes.
+    #[must_use]
+    pub fn new(width: u16, height: u16, samples: usize) -> Self {
+        let needs = Needs::of(width, height);
+        Self {
+            samples: vec![Stored::default(); samples],
+            projected: vec![Projected::default(); samples],
+            minima: vec![A::Depth::default(); needs.minima],
+            limits: vec![A::Depth::default(); needs.pixels],
+            mass: vec![A::Mass::default(); needs.pixels],
+            widths: vec![0; needs.pixels],
+            sums: vec![Sums::<A>::default(); needs.pixels],
+            moments: vec![Moments::<A>::default(); needs.pixels],
+            texels: vec![Texel::default(); needs.pixels],
+            pyramid: vec![Texel::default(); needs.pyramid],
+            cells: vec![Cell::default(); needs.cells],
+            slots: vec![Slot::default(); 256],
+            picture: vec![[0; 3]; needs.pixels],
+        }
+    }
+
+    /// The storage as a display takes it.
+    pub fn memory(&mut self) -> Memory<'_, A> {
+        Memory {
+            samples: &mut self.samples,
+            projected: &mut self.projected,
+            minima: &mut self.minima,
+            limits: &mut self.limits,
+            mass: &mut self.mass,
+            widths: &mut self.widths,
+            sums: &mut self.sums,
+            moments: &mut self.moments,
+            texels: &mut self.texels,
+            pyramid: &mut self.pyramid,
+            cells: &mut self.cells,
+            slots: &mut self.slots,
+            picture: &mut self.picture,
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! The hidden-point test: samples behind what is seen are dropped.
+//!
+//! A cell's nearest depth says that something stands there, but one cell's minimum may belong to
+//! the gap beside a thin thing or to a stray sample. So a sample is hidden when it lies behind
+//! *most* of the 3 × 3 cells around it: behind the 7th smallest minimum at cells of 1 pixel, the
+//! 8th at 2 pixels, the largest at 32 pixels, each with a tolerance of 5 % of the depth times the
+//! cell's side. Minima commute, so the order of samples does not matter.
+
+use crate::arith::{Arith, Panel, Projected};
+
+/// Sides of the cells, pixels.
+pub const CELLS: [usize; 3] = [1, 2, 32];
+
+/// Cells along `pixels` for cells of a side.
+#[must_use]
+pub const fn cells_along(pixels: u16, side: usize) -> usize {
+    (pixels as usize).div_ceil(side)
+}
+
+/// Entries that the three levels of minima need together.
+#[must_use]
+pub const fn minima_len(width: u16, height: u16) -> usize {
+    let mut sum = 0;
+    let mut level = 0;
+    while level < 3 {
+        let side = CELLS[level];
+        sum += cells_along(width, side) * cells_along(height, side);
+        level += 1;
+    }
+    sum
+}
+
+/// The three smallest-first largest of nine: a running top three.
+#[inline]
+fn top_three<D: PartialOrd + Copy>(values: [D; 9]) -> [D; 3] {
+    let max = |a: D, b: D| if a < b { b } else { a };
+    let min = |a: D, b: D| if a < b { a } else { b };
+    let [a, b, c, rest @ ..] = values;
+    let (lo, hi) = (min(a, b), max(a, b));
+    let mut third = min(lo, c);
+    let rest_of = max(lo, c);
+    let mut second = min(hi, rest_of);
+    let mut first = max(hi, rest_of);
+    for v in rest {
+        let down = min(first, v);
+        first = max(first, v);
+        let down_again = min(second, down);
+        second = max(second, down);
+        third = max(third, down_again);
+    }
+    [third, second, first]
+}
+
+/// Nearest depth of each pixel: the first level of `minima`.
+pub fn nearest<A: Arith>(
+    panel: &Panel,
+    projected: &[Projected<A>],
+    minima: &mut [A::Depth],
+) {
+    let pixels = panel.pixels();
+    if let Some(level) = minima.get_mut(..pixels) {
+        level.fill(A::FAR);
+        for sample in projected.iter().filter(|s| A::counts(s.weight)) {
+            let (x, y) = (A::pixel(panel, sample.x), A::pixel(panel, sample.y));
+            let inside =
+                (0..i32::from(panel.width)).contains(&x) && (0..i32::from(panel.height)).contains(&y);
+            if !inside {
+                continue;
+            }
+            if let Some(cell) = level.get_mut(panel.nearest(x, y)) {
+                if sample.depth < *cell {
+                    *cell = sample.depth;
+                }
+            }
+        }
+    }
+}
+
+/// The coarser minima from the first level, and the depth beyond which each pixel is hidden.
+pub fn limits<A: Arith>(panel: &Panel, minima: &mut [A::Depth], limits: &mut [A::Depth]) {
+    let (width, height) = (usize::from(panel.width), usize::from(panel.height));
+    let (fine, coarse) = minima.split_at_mut(panel.pixels());
+    let (halves, blocks) =
+        coarse.split_at_mut(cells_along(panel.width, 2) * cells_along(panel.height, 2));
+    for (cells, side) in [(&mut *halves, 2), (&mut *blocks, 32)] {
+        cells.fill(A::FAR);
+        let columns = width.div_ceil(side);
+        for (row, pixels) in fine.chunks_exact(width).enumerate() {
+            let cells = &mut cells[row / side * columns..][..columns];
+            for (x, depth) in pixels.iter().enumerate() {
+                let cell = &mut cells[x / side];
+                if *depth < *cell {
+                    *cell = *depth;
+                }
+            }
+        }
+    }
+    let limits = &mut limits[..width * height];
+    each(fine, width, height, 1, limits, width, |around, limit| {
+        *limit = A::behind(top_three(around)[0], 1);
+    });
+    each(halves, width.div_ceil(2), height.div_ceil(2), 2, limits, width, |around, limit| {
+        let other = A::behind(top_three(around)[1], 2);
+        if other < *limit {
+            *limit = other;
+        }
+    });
+    each(blocks, width.div_ceil(32), height.div_ceil(32), 32, limits, width, |around, limit| {
+        let other = A::behind(top_three(around)[2], 32);
+        if other < *limit {
+            *limit = other;
+        }
+    });
+}
+
+/// Calls `apply` for each pixel with the 3 × 3 cells around its cell, clamped at borders.
+fn each<D: Copy>(
+    cells: &[D],
+    columns: usize,
+    rows: usize,
+    side: usize,
+    limits: &mut [D],
+    width: usize,
+    apply: impl Fn([D; 9], &mut D),
+) {
+    for row in 0..rows {
+        let lines = [row.saturating_sub(1), row, (row + 1).min(rows - 1)]
+            .map(|r| &cells[r * columns..][..columns]);
+        for column in 0..columns {
+            let near = [column.saturating_sub(1), column, (column + 1).min(columns - 1)];
+            let around = core::array::from_fn(|i| lines[i / 3][near[i % 3]]);
+            for y in row * side..((row + 1) * side).min(limits.len() / width) {
+                let line = &mut limits[y * width..][..width];
+                for limit in &mut line[column * side..((column + 1) * side).min(width)] {
+                    apply(around, limit);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn top_three_equals_sorting(values in prop::array::uniform9(any::<u16>())) {
+            let mut sorted = values;
+            sorted.sort_unstable();
+            prop_assert_eq!(top_three(values), [sorted[6], sorted[7], sorted[8]]);
+        }
+    }
+}

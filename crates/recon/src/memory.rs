@@ -1,0 +1,246 @@
+//! What a display needs to keep, over storage that the caller owns.
+//!
+//! With W × H pixels, N samples and O objects the fixed-point display keeps, in bytes:
+//!
+//! | what | bytes |
+//! |---|---|
+//! | deep buffer | 16 N |
+//! | projected samples | 10 N |
+//! | minima and limits | 2 (2.25 + 1/1024) W H |
+//! | masses and widths | 5 W H |
+//! | sums | 32 W H, and 88 W H more for planes |
+//! | texels with their pyramid | 8 · 4/3 W H |
+//! | picture | 3 W H |
+//! | tile map | 5 W H / 16 |
+//! | poses and their transforms | 168 O |
+
+use crate::arith::{Arith, Moments, Panel, Projected, Sums, Texel};
+use crate::deep::Stored;
+use crate::fill::pyramid_len;
+use crate::hidden::minima_len;
+use crate::tiles::{Cell, cells_along};
+use unframed_wire::Pose;
+
+/// One object's pose and what it becomes under the view.
+#[derive(Clone, Copy, Debug)]
+pub struct Slot<A: Arith> {
+    /// The newest pose received.
+    pub pose: Option<Pose>,
+    /// View and pose composed.
+    pub transform: Option<A::Transform>,
+}
+
+impl<A: Arith> Default for Slot<A> {
+    fn default() -> Self {
+        Self { pose: None, transform: None }
+    }
+}
+
+/// How long each slice of a [`Memory`] must be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Needs {
+    /// W·H: limits, mass, widths, sums, texels, picture; moments where planes are fitted.
+    pub pixels: usize,
+    /// Levels of minima.
+    pub minima: usize,
+    /// Coarser texels.
+    pub pyramid: usize,
+    /// Tile cells.
+    pub cells: usize,
+}
+
+impl Needs {
+    /// What a panel of this size needs.
+    #[must_use]
+    pub const fn of(width: u16, height: u16) -> Self {
+        Self {
+            pixels: width as usize * height as usize,
+            minima: minima_len(width, height),
+            pyramid: pyramid_len(width, height),
+            cells: cells_along(width) * cells_along(height),
+        }
+    }
+}
+
+/// The storage of a display: slices of any origin, at least as long as [`Needs`] says.
+#[derive(Debug)]
+pub struct Memory<'a, A: Arith> {
+    /// The deep buffer: as many samples as are to be remembered, at best 4 a pixel and more.
+    pub samples: &'a mut [Stored],
+    /// As long as `samples`.
+    pub projected: &'a mut [Projected<A>],
+    /// See [`Needs::minima`].
+    pub minima: &'a mut [A::Depth],
+    /// See [`Needs::pixels`].
+    pub limits: &'a mut [A::Depth],
+    /// See [`Needs::pixels`].
+    pub mass: &'a mut [A::Mass],
+    /// See [`Needs::pixels`].
+    pub widths: &'a mut [u8],
+    /// See [`Needs::pixels`].
+    pub sums: &'a mut [Sums<A>],
+    /// See [`Needs::pixels`]; empty where no planes are fitted.
+    pub moments: &'a mut [Moments<A>],
+    /// See [`Needs::pixels`].
+    pub texels: &'a mut [Texel<A>],
+    /// See [`Needs::pyramid`].
+    pub pyramid: &'a mut [Texel<A>],
+    /// See [`Needs::cells`].
+    pub cells: &'a mut [Cell],
+    /// The sky's and as many objects' as are to be known, at most 256.
+    pub slots: &'a mut [Slot<A>],
+    /// See [`Needs::pixels`].
+    pub picture: &'a mut [[u8; 3]],
+}
+
+/// Why a display could not be set up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SetupError {
+    /// Width or height is 0 or beyond [`Panel::LIMIT`].
+    Panel,
+    /// The named slice is shorter than it must be.
+    Short {
+        /// Field of [`Memory`].
+        slice: &'static str,
+        /// Entries needed.
+        needs: usize,
+        /// Entries there.
+        has: usize,
+    },
+}
+
+impl core::fmt::Display for SetupError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Panel => {
+                write!(f, "a panel's width and height must be 1 to {} pixels", Panel::LIMIT)
+            }
+            Self::Short { slice, needs, has } => {
+                write!(f, "display memory: `{slice}` has {has} entries and needs {needs}")
+            }
+        }
+    }
+}
+
+impl core::error::Error for SetupError {}
+
+impl<A: Arith> Memory<'_, A> {
+    /// Checks every length.
+    ///
+    /// # Errors
+    /// Names the first slice that is too short.
+    pub fn check(&self, width: u16, height: u16, planes: bool) -> Result<(), SetupError> {
+        let needs = Needs::of(width, height);
+        let checks = [
+            ("projected", self.samples.len(), self.projected.len()),
+            ("minima", needs.minima, self.minima.len()),
+            ("limits", needs.pixels, self.limits.len()),
+            ("mass", needs.pixels, self.mass.len()),
+            ("widths", needs.pixels, self.widths.len()),
+            ("sums", needs.pixels, self.sums.len()),
+            ("moments", if planes { needs.pixels } else { 0 }, self.moments.len()),
+            ("texels", needs.pixels, self.texels.len()),
+            ("pyramid", needs.pyramid, self.pyramid.len()),
+            ("cells", needs.cells, self.cells.len()),
+            ("slots", 2, self.slots.len()),
+            ("picture", needs.pixels, self.picture.len()),
+        ];
+        for (slice, needs, has) in checks {
+            if has < needs {
+                return Err(SetupError::Short { slice, needs, has });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Storage of fixed capacity, to be placed in a `static` or on a large stack.
+///
+/// `N` samples, `P` pixels, `M` minima, `Y` pyramid texels, `C` cells, `O` slots; `L` is `P` where
+/// planes are fitted, else 0. [`Needs::of`] gives them in a `const`.
+#[derive(Debug)]
+pub struct Storage<
+    A: Arith,
+    const N: usize,
+    const P: usize,
+    const M: usize,
+    const Y: usize,
+    const C: usize,
+    const O: usize,
+    const L: usize,
+> {
+    samples: [Stored; N],
+    projected: [Projected<A>; N],
+    minima: [A::Depth; M],
+    limits: [A::Depth; P],
+    mass: [A::Mass; P],
+    widths: [u8; P],
+    sums: [Sums<A>; P],
+    moments: [Moments<A>; L],
+    texels: [Texel<A>; P],
+    pyramid: [Texel<A>; Y],
+    cells: [Cell; C],
+    slots: [Slot<A>; O],
+    picture: [[u8; 3]; P],
+}
+
+impl<
+    A: Arith,
+    const N: usize,
+    const P: usize,
+    const M: usize,
+    const Y: usize,
+    const C: usize,
+    const O: usize,
+    const L: usize,
+> Storage<A, N, P, M, Y, C, O, L>
+{
+    /// The storage as a display takes it.
+    pub fn memory(&mut self) -> Memory<'_, A> {
+        Memory {
+            samples: &mut self.samples,
+            projected: &mut self.projected,
+            minima: &mut self.minima,
+            limits: &mut self.limits,
+            mass: &mut self.mass,
+            widths: &mut self.widths,
+            sums: &mut self.sums,
+            moments: &mut self.moments,
+            texels: &mut self.texels,
+            pyramid: &mut self.pyramid,
+            cells: &mut self.cells,
+            slots: &mut self.slots,
+            picture: &mut self.picture,
+        }
+    }
+}
+
+impl<
+    A: Arith,
+    const N: usize,
+    const P: usize,
+    const M: usize,
+    const Y: usize,
+    const C: usize,
+    const O: usize,
+    const L: usize,
+> Default for Storage<A, N, P, M, Y, C, O, L>
+{
+    fn default() -> Self {
+        Self {
+            samples: [Stored::default(); N],
+            projected: [Projected::default(); N],
+            minima: [A::Depth::default(); M],
+            limits: [A::Depth::default(); P],
+            mass: [A::Mass::default(); P],
+            widths: [0; P],
+            sums: [Sums::<A>::default(); P],
+            moments: [Moments::<A>::default(); L],
+            texels: [Texel::default(); P],
+            pyramid: [Texel::default(); Y],
+            cells: [Cell::default(); C],
+            slots: [Slot::default(); O],
+            picture: [[0; 3]; P],
+        }
+    }
+}

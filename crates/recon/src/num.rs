@@ -1,0 +1,152 @@
+//! Integer kernels: reciprocal, logarithm, narrow products. Each has a stated error and a test
+//! against `f64`; each is a handful of 32-bit operations, so that WGSL and a Cortex-M run the
+//! same steps.
+
+use crate::tables::LOG2_Q11;
+
+/// The high 32 bits of a 32 × 32-bit product.
+#[inline]
+#[must_use]
+pub const fn mul_hi(a: u32, b: u32) -> u32 {
+    ((a as u64 * b as u64) >> 32) as u32
+}
+
+/// Reciprocal of a normalised divisor: for `d` in 2^31..2^32 the result is `2^63/d` within 8
+/// units in the last place (relative error below 2^−28).
+///
+/// A 32-bit division seeds 16 good bits and one Newton step `r ← r(2 − d·r)` doubles them.
+/// For any other `d` the result is meaningless but defined.
+#[inline]
+#[must_use]
+pub const fn reciprocal(d: u32) -> u32 {
+    let top = d >> 16;
+    let seed = if top == 0 { u32::MAX } else { (u32::MAX / top) << 15 };
+    let error = mul_hi(d, seed).wrapping_neg();
+    let (hi, lo) = {
+        let product = seed as u64 * error as u64;
+        ((product >> 32) as u32, product as u32)
+    };
+    // Doubling moves the product from Q62 to Q31; at d = 2^31 the quotient is 2^32: saturate.
+    if hi >> 31 != 0 { u32::MAX } else { (hi << 1) | (lo >> 31) }
+}
+
+/// `floor(log2(v))` for a positive `v`.
+#[inline]
+#[must_use]
+pub const fn exponent(v: u64) -> i32 {
+    63 - v.leading_zeros() as i32
+}
+
+/// Shifts left for positive `by`, arithmetically right for negative; beyond 63 the right shift
+/// keeps the sign and the left shift gives 0.
+#[inline]
+#[must_use]
+pub const fn shift(v: i64, by: i32) -> i64 {
+    if by >= 64 {
+        0
+    } else if by >= 0 {
+        v << by
+    } else if by > -64 {
+        v >> -by
+    } else {
+        v >> 63
+    }
+}
+
+/// The top 32 bits of a positive value, its leading one moved to bit 31.
+#[inline]
+#[must_use]
+pub const fn normalise(v: u64) -> u32 {
+    ((v << v.leading_zeros()) >> 32) as u32
+}
+
+/// log2 with 11 fractional bits, from a table of 64 chords; within 1 unit of the true value.
+/// Monotone. `log2_q11(0)` is that of 1.
+#[inline]
+#[must_use]
+pub const fn log2_q11(v: u64) -> i32 {
+    if v == 0 {
+        return 0;
+    }
+    let mantissa = normalise(v) << 1; // without the leading one: a fraction of 2^32
+    let chord = (mantissa >> 26) as usize;
+    let along = (mantissa >> 16) & 0x3ff;
+    let (a, b) = (LOG2_Q11[chord] as u32, LOG2_Q11[chord + 1] as u32);
+    exponent(v) * 2048 + (a + (((b - a) * along + 512) >> 10)) as i32
+}
+
+/// Division by one positive value, several times: a shift, a product.
+#[derive(Clone, Copy, Debug)]
+pub struct Divider {
+    reciprocal: u32,
+    exponent: i32,
+}
+
+impl Divider {
+    /// Prepares division by `divisor`; a divisor of 0 acts as 1.
+    #[inline]
+    #[must_use]
+    pub const fn new(divisor: u64) -> Self {
+        let divisor = if divisor == 0 { 1 } else { divisor };
+        Self { reciprocal: reciprocal(normalise(divisor)), exponent: exponent(divisor) }
+    }
+
+    /// `v / divisor` with `31 − bits` fractional bits, given |v| ≤ divisor·2^bits.
+    /// Relative error below 2^−28 and absolute error below 2 units in the last place; a quotient
+    /// beyond 2^bits saturates.
+    #[inline]
+    #[must_use]
+    pub const fn ratio(self, v: i64, bits: i32) -> i32 {
+        let magnitude = v.unsigned_abs();
+        let by = self.exponent + 1 + bits - 32;
+        let narrow = if by >= 64 {
+            0
+        } else if by >= 0 {
+            magnitude >> by
+        } else {
+            magnitude << if -by > 63 { 63 } else { -by }
+        };
+        let narrow = if narrow > u32::MAX as u64 { u32::MAX } else { narrow as u32 };
+        let quotient = mul_hi(narrow, self.reciprocal);
+        let quotient = if quotient > i32::MAX as u32 { i32::MAX } else { quotient as i32 };
+        if v < 0 { -quotient } else { quotient }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn reciprocal_is_close(d in 0x8000_0000u32..=u32::MAX) {
+            let exact = (1u64 << 63) / u64::from(d);
+            let got = u64::from(reciprocal(d));
+            prop_assert!(got.abs_diff(exact) <= 8, "{d}: {got} against {exact}");
+        }
+
+        #[test]
+        fn log2_is_close(v in 1u64..=u64::MAX, by in 0u32..63) {
+            let v = (v >> by).max(1);
+            let exact = (v as f64).log2() * 2048.0;
+            prop_assert!((f64::from(log2_q11(v)) - exact).abs() <= 1.0, "{v}");
+        }
+
+        #[test]
+        fn log2_is_monotone(v in 1u64..u64::MAX, by in 0u32..63) {
+            let v = (v >> by).max(1);
+            prop_assert!(log2_q11(v) <= log2_q11(v + 1));
+        }
+
+        #[test]
+        fn ratio_is_close(divisor in 1u64..1 << 50, by in 0u32..49, part in -1.0f64..1.0, bits in 0i32..30) {
+            let divisor = (divisor >> by).max(1);
+            let v = (part * divisor as f64 * f64::from(bits).exp2()) as i64;
+            let exact = v as f64 / divisor as f64 * f64::from(31 - bits).exp2();
+            let got = f64::from(Divider::new(divisor).ratio(v, bits));
+            let bound = 2.0 + exact.abs() * (-28f64).exp2();
+            prop_assert!((got - exact).abs() <= bound, "{v}/{divisor}: {got} against {exact}");
+        }
+    }
+}

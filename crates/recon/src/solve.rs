@@ -1,0 +1,28 @@
+//! From sums to light: the weighted mean, or the ridge-regularised plane at the pixel's centre.
+//!
+//! With weighted means E[·] over the samples around a pixel at offsets (x, y), the plane that
+//! minimises Σw(c − a − g·(x, y))² + Σw·ρ|g|² has
+//!
+//! `a = E[c] − cov(x, c)·h_x − cov(y, c)·h_y`, `h = (C + ρI)^−1 (E[x], E[y])`,
+//!
+//! so a pixel needs one 2 × 2 solve for all three colours. The ridge ρ keeps it defined for any
+//! samples and pulls towards the mean where they lie in one place.
+
+use crate::arith::{Arith, Moments, Sums, Texel};
+
+/// The ridge ρ, px² with 20 fractional bits: 0.04.
+pub const RIDGE_Q20: i64 = 41943;
+
+/// Solves every pixel by its mean.
+pub fn means<A: Arith>(sums: &[Sums<A>], texels: &mut [Texel<A>]) {
+    for (sums, texel) in sums.iter().zip(texels) {
+        *texel = A::mean(sums);
+    }
+}
+
+/// Solves every pixel by its plane.
+pub fn planes<A: Arith>(sums: &[Sums<A>], moments: &[Moments<A>], texels: &mut [Texel<A>]) {
+    for ((sums, moments), texel) in sums.iter().zip(moments).zip(texels) {
+        *texel = A::plane(sums, moments);
+    }
+}

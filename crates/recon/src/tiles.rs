@@ -1,0 +1,153 @@
+//! The tile map: what the stream's tiles say, rasterised into square cells.
+//!
+//! A cell takes the values of the tile that holds its centre, so a tile costs work in proportion
+//! to its cells and one smaller than a cell may fall between centres.
+
+use unframed_wire::{LogCode, Tile};
+
+/// log2 of the side of a cell, pixels.
+pub const CELL_BITS: u32 = 2;
+/// Side of a cell, pixels.
+pub const CELL: usize = 1 << CELL_BITS;
+
+/// What is known of one cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cell {
+    /// |dL/dx|, 1/pixel.
+    pub gx: LogCode,
+    /// |dL/dy|, 1/pixel.
+    pub gy: LogCode,
+    /// |dL/dt|, 1/s.
+    pub gt: LogCode,
+    /// Lifetime, seconds.
+    pub lifetime: LogCode,
+    /// Samples a pixel and second.
+    pub density: LogCode,
+}
+
+impl Default for Cell {
+    /// Before the first tile: lifetime 1 s, slopes of 2^−4, 4 samples a pixel and second.
+    fn default() -> Self {
+        Self {
+            gx: LogCode(96),
+            gy: LogCode(96),
+            gt: LogCode(96),
+            lifetime: LogCode(128),
+            density: LogCode(144),
+        }
+    }
+}
+
+/// Cells needed along `pixels`.
+#[must_use]
+pub const fn cells_along(pixels: u16) -> usize {
+    (pixels as usize).div_ceil(CELL)
+}
+
+/// The map over the caller's cells.
+#[derive(Debug)]
+pub struct TileMap<'a> {
+    cells: &'a mut [Cell],
+    columns: usize,
+    rows: usize,
+}
+
+impl<'a> TileMap<'a> {
+    /// A map of a panel of this size; `None` when there are not enough cells.
+    pub fn new(cells: &'a mut [Cell], width: u16, height: u16) -> Option<Self> {
+        let (columns, rows) = (cells_along(width), cells_along(height));
+        let cells = cells.get_mut(..columns * rows)?;
+        cells.fill(Cell::default());
+        Some(Self { cells, columns, rows })
+    }
+
+    /// Forgets all tiles.
+    pub fn clear(&mut self) {
+        self.cells.fill(Cell::default());
+    }
+
+    /// Takes a tile over. Parts outside the panel are ignored.
+    pub fn set(&mut self, tile: &Tile) {
+        let cell = Cell {
+            gx: tile.gx,
+            gy: tile.gy,
+            gt: tile.gt,
+            lifetime: tile.lifetime,
+            density: tile.density,
+        };
+        let columns = centres(tile.rect.x, tile.rect.w, self.columns);
+        for row in centres(tile.rect.y, tile.rect.h, self.rows) {
+            if let Some(cells) =
+                self.cells.get_mut(row * self.columns..).and_then(|r| r.get_mut(columns.clone()))
+            {
+                cells.fill(cell);
+            }
+        }
+    }
+
+    /// The cell at a column and row, clamped to the map.
+    #[inline]
+    #[must_use]
+    pub fn at(&self, column: i32, row: i32) -> Cell {
+        let column = column.clamp(0, self.columns as i32 - 1) as usize;
+        let row = row.clamp(0, self.rows as i32 - 1) as usize;
+        self.cells.get(row * self.columns + column).copied().unwrap_or_default()
+    }
+
+    /// The four cells around, for bilinear interpolation.
+    #[inline]
+    #[must_use]
+    pub fn around(&self, column: i32, row: i32) -> [Cell; 4] {
+        [
+            self.at(column, row),
+            self.at(column + 1, row),
+            self.at(column, row + 1),
+            self.at(column + 1, row + 1),
+        ]
+    }
+}
+
+/// The cells whose centres lie in `start..start + length`.
+fn centres(start: u16, length: u16, limit: usize) -> core::ops::Range<usize> {
+    let half = CELL / 2;
+    let first = (usize::from(start) + half - 1) >> CELL_BITS;
+    let end = (usize::from(start) + usize::from(length) + half - 1) >> CELL_BITS;
+    let end = end.min(limit);
+    first.min(end)..end
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use unframed_wire::Rect;
+
+    fn tile(x: u16, y: u16, w: u16, h: u16, code: u8) -> Tile {
+        Tile { rect: Rect { x, y, w, h }, lifetime: LogCode(code), ..Tile::default() }
+    }
+
+    #[test]
+    fn a_cell_takes_the_tile_with_its_centre() {
+        for start in 0..12u16 {
+            for length in 0..12u16 {
+                let got = centres(start, length, 4);
+                for cell in 0..4usize {
+                    let centre = (cell * CELL + CELL / 2) as u16;
+                    let inside = (start..start + length).contains(&centre);
+                    assert_eq!(got.contains(&cell), inside, "{start} {length} {cell}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn tiles_beyond_the_panel_are_cut() {
+        let mut cells = [Cell::default(); 6];
+        let mut map = TileMap::new(&mut cells, 9, 8).expect("3 x 2 cells");
+        map.set(&tile(4, 0, 65535, 65535, 7));
+        assert_eq!(map.at(0, 0).lifetime, LogCode(128));
+        assert_eq!(map.at(1, 1).lifetime, LogCode(7));
+        assert_eq!(map.at(99, 99).lifetime, LogCode(7));
+        map.set(&tile(65535, 65535, 65535, 65535, 9));
+        assert_eq!(map.at(2, 1).lifetime, LogCode(7));
+    }
+}
