@@ -1,1 +1,26 @@
-//! Under construction.
+//! The display hardware, simulated: what stands between the reconstructor and the eye.
+//!
+//! | layer | module | what it does |
+//! |---|---|---|
+//! | device | [`gpu`] | finds an adapter, checks that it suffices, turns every error into a value |
+//! | passes | [`pass`] | integer compute stages over buffers of words, each readable for comparison |
+//! | glass | [`panel`] | what the panel does with the picture: dithering, response time |
+//! | paint | [`paint`] | whole-number upscaling of a picture onto a surface, byte for byte |
+//! | window | [`window`] | shows a source of pictures at the panel's refresh rate |
+//!
+//! Everything that decides a pixel is integer arithmetic, on the adapter as on the processor, so
+//! the same bytes come out on every driver. WGSL has no 64-bit integers: `shaders/int64.wgsl`
+//! supplies those that the reconstructor's twin needs.
+//!
+//! Nothing here knows the host: pictures come from the stream through `unframed-recon`.
+
+pub mod gpu;
+pub mod paint;
+pub mod panel;
+pub mod pass;
+pub mod window;
+
+pub use gpu::{Gpu, GpuError};
+
+#[cfg(test)]
+mod testing;
