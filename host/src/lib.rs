@@ -3,5 +3,6 @@
 //! Data flows one way: [`scene`] (what there is) → [`trace`] (what a ray sees at an instant) →
 //! `sampler` (where and when to look next) → `stream` (bytes for the display).
 
+pub mod sampler;
 pub mod scene;
 pub mod trace;

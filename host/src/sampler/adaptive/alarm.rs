@@ -1,0 +1,62 @@
+//! Notices that everything has become wrong at once: a cut, or an eye that passed a surface.
+
+/// Looks at the last hundred-odd verifications.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Alarm {
+    /// Share-weighted counts of failed and of all verifications.
+    failed: f32,
+    all: f32,
+    /// When the current run of failures began, seconds.
+    since: Option<f64>,
+}
+
+/// Verifications that are remembered.
+const MEMORY: f32 = 96.0;
+/// Share of failures that means a cut.
+const SHARE: f32 = 0.5;
+
+impl Alarm {
+    /// Takes a verification in. When the alarm is raised: the instant at which the failures began.
+    pub(super) fn verified(&mut self, time: f64, failed: bool) -> Option<f64> {
+        let keep = 1.0 - 1.0 / MEMORY;
+        self.failed = self.failed * keep + f32::from(u8::from(failed));
+        self.all = self.all * keep + 1.0;
+        if self.failed < 0.3 * self.all {
+            self.since = None;
+        } else if self.since.is_none() {
+            self.since = Some(time);
+        }
+        if self.all > 0.4 * MEMORY && self.failed > SHARE * self.all {
+            let since = self.since;
+            *self = Self::default();
+            return since;
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampler::noise::Random;
+
+    #[test]
+    fn raised_by_a_cut_and_not_by_a_third_of_failures() {
+        let mut alarm = Alarm::default();
+        let mut random = Random::new(2);
+        for i in 0..100_000 {
+            let failed = random.unit() < 0.33;
+            assert_eq!(alarm.verified(f64::from(i), failed), None);
+        }
+        let mut raised = None;
+        for i in 0..200 {
+            let failed = random.unit() < 0.9;
+            raised = raised.or(alarm
+                .verified(f64::from(100_000 + i), failed)
+                .map(|t| (i, t)));
+        }
+        let (after, since) = raised.expect("a cut is noticed");
+        assert!(after < 120, "after {after} verifications");
+        assert!(since >= 99_000.0);
+    }
+}

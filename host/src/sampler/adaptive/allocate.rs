@@ -1,0 +1,148 @@
+//! How many shots each tile is due, and in what order they are taken.
+//!
+//! With `n` samples of error `s` each, the squared error of a tile of `a` pixels is about
+//! `a·s²/(n/a)`. Under a budget the sum over all tiles is least where `n ∝ a·s`; a tile that
+//! already has more keeps what it has. That is water-filling (Cover & Thomas, §9.4, in another
+//! dress): `new = max(0, λ·a·s − n)`.
+
+/// The level λ at which `Σ max(0, λ·s_i − n_i) = budget`, and how many rounds it took.
+/// Tiles with `s_i ≤ 0` get nothing. 0 if no tile wants anything.
+pub(super) fn water_level(s: &[f32], n: &[f32], budget: f32) -> (f32, u32) {
+    // From above: with all tiles active λ is too high only if none is overfull. Dropping the
+    // overfull ones lowers λ, which may drop more: at most one round a tile, in practice few.
+    let mut lambda = f32::INFINITY;
+    for round in 1..=32 {
+        let (mut sum_s, mut sum_n) = (0.0f64, 0.0f64);
+        for (&s, &n) in s.iter().zip(n) {
+            if s > 0.0 && lambda * s > n {
+                sum_s += f64::from(s);
+                sum_n += f64::from(n);
+            }
+        }
+        if sum_s <= 0.0 {
+            return (0.0, round);
+        }
+        let next = ((f64::from(budget) + sum_n) / sum_s) as f32;
+        if next >= lambda * (1.0 - 1e-6) {
+            return (next, round);
+        }
+        lambda = next;
+    }
+    (lambda, 32)
+}
+
+/// Turns fractional shares into whole visits: appends tile `order[k]` so often that every prefix
+/// of the order has got its share within one visit (systematic sampling; the same expectation for
+/// each tile as its share). `offset` in 0..1. Exactly `count` visits if the shares are positive.
+pub(super) fn visits(order: &[u32], shares: &[f32], count: usize, offset: f32, out: &mut Vec<u32>) {
+    out.clear();
+    let total: f64 = order.iter().map(|&t| f64::from(shares[t as usize])).sum();
+    if count == 0 || order.is_empty() {
+        return;
+    }
+    let step = total / count as f64;
+    let mut due = step * f64::from(offset);
+    let mut sum = 0.0;
+    for &tile in order {
+        sum += f64::from(shares[tile as usize]);
+        while due < sum && out.len() < count {
+            out.push(tile);
+            due += step;
+        }
+    }
+    // Rounding at the end, or shares that are all zero.
+    while out.len() < count {
+        out.push(order[order.len() - 1 - (out.len() * 7919) % order.len()]);
+    }
+}
+
+/// The tiles of a `w`×`h` grid along a Z-order curve, so that neighbours in the order are
+/// neighbours in the image.
+pub(super) fn z_order(w: u32, h: u32) -> Vec<u32> {
+    let spread = |x: u32| {
+        (0..16).fold(0u64, |code, bit| {
+            code | u64::from(x >> bit & 1) << (2 * bit)
+        })
+    };
+    let mut tiles: Vec<(u64, u32)> = (0..h)
+        .flat_map(|y| (0..w).map(move |x| (spread(x) | spread(y) << 1, y * w + x)))
+        .collect();
+    tiles.sort_unstable();
+    tiles.into_iter().map(|(_, tile)| tile).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampler::noise::Random;
+
+    /// The oracle: λ by bisection in f64.
+    fn by_bisection(s: &[f32], n: &[f32], budget: f32) -> f64 {
+        let given = |lambda: f64| -> f64 {
+            s.iter()
+                .zip(n)
+                .filter(|(s, _)| **s > 0.0)
+                .map(|(&s, &n)| (lambda * f64::from(s) - f64::from(n)).max(0.0))
+                .sum()
+        };
+        let (mut low, mut high) = (0.0, 1e9);
+        for _ in 0..200 {
+            let middle = 0.5 * (low + high);
+            if given(middle) < f64::from(budget) {
+                low = middle
+            } else {
+                high = middle
+            }
+        }
+        low
+    }
+
+    #[test]
+    fn level_is_that_of_bisection() {
+        let mut random = Random::new(5);
+        for _ in 0..300 {
+            let tiles = 1 + random.below(300) as usize;
+            let s: Vec<f32> = (0..tiles)
+                .map(|_| random.unit().powi(4) * 200.0 + 0.1)
+                .collect();
+            let n: Vec<f32> = (0..tiles).map(|_| random.unit().powi(3) * 500.0).collect();
+            let budget = 1.0 + random.unit() * 2000.0;
+            let (lambda, rounds) = water_level(&s, &n, budget);
+            let exact = by_bisection(&s, &n, budget);
+            assert!(
+                (f64::from(lambda) / exact - 1.0).abs() < 1e-4,
+                "{lambda} {exact}"
+            );
+            assert!(rounds <= 20, "{rounds} rounds");
+        }
+        assert_eq!(water_level(&[0.0, 0.0], &[1.0, 2.0], 5.0).0, 0.0);
+    }
+
+    #[test]
+    fn visits_follow_the_shares() {
+        let order = z_order(8, 4);
+        let mut random = Random::new(8);
+        let shares: Vec<f32> = (0..32).map(|_| random.unit()).collect();
+        let total: f32 = shares.iter().sum();
+        let mut sums = [0.0f32; 32];
+        let mut out = Vec::new();
+        for round in 0..200 {
+            visits(&order, &shares, 17, (round as f32 + 0.5) / 200.0, &mut out);
+            assert_eq!(out.len(), 17);
+            out.iter().for_each(|&t| sums[t as usize] += 1.0);
+        }
+        for (tile, sum) in sums.iter().enumerate() {
+            let due = shares[tile] / total * 17.0 * 200.0;
+            assert!((sum - due).abs() < 1.5, "tile {tile}: {sum} for {due}");
+        }
+    }
+
+    #[test]
+    fn z_order_is_a_permutation_of_neighbours() {
+        let order = z_order(8, 8);
+        assert_eq!(&order[..8], &[0, 1, 8, 9, 2, 3, 10, 11]);
+        let mut sorted = order.clone();
+        sorted.sort_unstable();
+        assert!(sorted.iter().enumerate().all(|(i, &t)| i as u32 == t));
+    }
+}

@@ -1,0 +1,77 @@
+//! The knobs of the adaptive sampler. Each part can be switched off, to measure what it is worth.
+
+/// Knobs; [`Config::default`] is what was tuned on the built-in scenes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Config {
+    /// Length of an epoch, seconds: how often the cells are warped.
+    pub span: f64,
+    /// Length of a batch, seconds: how often what was seen changes what is looked at.
+    pub batch: f64,
+    /// Share of the shots that go everywhere alike, 0..=1.
+    pub uniform_share: f32,
+    /// Share of the shots that look again at a place seen before, 0..1.
+    pub verify_share: f32,
+    /// Whether residuals steer the shots (else every tile is as interesting as any other).
+    pub residuals: bool,
+    /// Whether what a tile already has counts (else its residual alone does).
+    pub water_filling: bool,
+    /// Whether lifetimes are measured (else they are `lifetime_max` everywhere).
+    pub lifetimes: bool,
+    /// Whether points behind their neighbours stop counting as seen.
+    pub hidden_test: bool,
+    /// Whether hidden cells are remembered until they come to light again.
+    pub second_layer: bool,
+    /// How far beyond the edge of the image cells are remembered, pixels; 0 forgets them at once,
+    /// infinity remembers all around the eye.
+    pub guard: f32,
+    /// Whether a scene that changes wholly is noticed.
+    pub cuts: bool,
+    /// Time constant in which residuals fade, seconds.
+    pub residual_memory: f32,
+    /// Time constant in which gradients fade, seconds.
+    pub gradient_memory: f32,
+    /// The residual of a place of which nothing is known, displayed levels (0..255).
+    pub residual_prior: f32,
+    /// How many samples that prior is worth.
+    pub prior_weight: f32,
+    /// How many further samples it is worth for each pixel of a tile that holds nothing.
+    pub prior_hole: f32,
+    /// The least residual, displayed levels: keeps quiet places from starving.
+    pub residual_floor: f32,
+    /// The longest lifetime, seconds.
+    pub lifetime_max: f32,
+    /// The shortest lifetime, seconds.
+    pub lifetime_min: f32,
+    /// The change of displayed level after which a sample has outlived itself.
+    pub tolerance: f32,
+    /// Seeds everything.
+    pub seed: u64,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self {
+            span: 1.0 / 60.0,
+            batch: 0.002,
+            uniform_share: 0.1,
+            verify_share: 0.2,
+            residuals: true,
+            water_filling: true,
+            lifetimes: true,
+            hidden_test: true,
+            second_layer: true,
+            guard: f32::INFINITY,
+            cuts: true,
+            residual_memory: 0.15,
+            gradient_memory: 0.1,
+            residual_prior: 40.0,
+            prior_weight: 0.5,
+            prior_hole: 0.0,
+            residual_floor: 4.0,
+            lifetime_max: 1.0,
+            lifetime_min: 0.012,
+            tolerance: 10.0,
+            seed: 1,
+        }
+    }
+}

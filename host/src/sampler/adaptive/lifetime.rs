@@ -1,0 +1,97 @@
+//! How long a sample stays true: measured where places are looked at a second time.
+//!
+//! A verification traces a stored hit again, so that what it measures is the change of the light
+//! that leaves *a point of a surface* towards the eye: camera motion and the motion of objects,
+//! which reprojection undoes, do not count; moving shadows, highlights and mirrors do.
+
+use glam::UVec2;
+
+use super::config::Config;
+
+/// Side of a lifetime tile, pixels.
+pub(super) const TILE: u32 = 8;
+
+/// Gradients on a grid of 8×8-pixel tiles, and the lifetimes made of them.
+#[derive(Clone, Debug)]
+pub(super) struct Lifetimes {
+    pub(super) grid: UVec2,
+    width: u32,
+    /// Σ Δc² and Σ Δt² of each tile.
+    sums: Vec<[f32; 2]>,
+    rows: Vec<[f32; 2]>,
+    /// Seconds.
+    pub(super) tau: Vec<f32>,
+    enabled: bool,
+    longest: f32,
+    shortest: f32,
+    tolerance: f32,
+}
+
+impl Lifetimes {
+    pub(super) fn new(size: UVec2, config: &Config) -> Self {
+        let grid = (size + UVec2::splat(TILE - 1)) / TILE;
+        let tiles = (grid.x * grid.y) as usize;
+        Self {
+            grid,
+            width: size.x,
+            sums: vec![[0.0; 2]; tiles],
+            rows: vec![[0.0; 2]; tiles],
+            tau: vec![config.lifetime_max; tiles],
+            enabled: config.lifetimes,
+            longest: config.lifetime_max,
+            shortest: config.lifetime_min,
+            tolerance: config.tolerance,
+        }
+    }
+
+    /// The tile of a pixel.
+    pub(super) fn tile(&self, pixel: u32) -> usize {
+        tile_of(pixel, self.width, self.grid.x)
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.sums.fill([0.0; 2]);
+    }
+
+    pub(super) fn add(&mut self, tile: usize, gradients: [f32; 2]) {
+        self.sums[tile][0] += gradients[0];
+        self.sums[tile][1] += gradients[1];
+    }
+
+    /// Lifetimes from the sums, each smoothed over 3×3 tiles:
+    /// `g² = ΣΔc²/ΣΔt²`, `1/τ² = 1/τ_max² + g²/tolerance²`.
+    pub(super) fn solve(&mut self) {
+        if !self.enabled {
+            return;
+        }
+        let (w, h) = (self.grid.x as usize, self.grid.y as usize);
+        let add = |a: [f32; 2], b: [f32; 2]| [a[0] + b[0], a[1] + b[1]];
+        for y in 0..h {
+            let row = &self.sums[y * w..(y + 1) * w];
+            for x in 0..w {
+                let near = &row[x.saturating_sub(1)..(x + 2).min(w)];
+                self.rows[y * w + x] = near.iter().fold([0.0; 2], |a, &b| add(a, b));
+            }
+        }
+        for y in 0..h {
+            for x in 0..w {
+                let near = y.saturating_sub(1)..(y + 2).min(h);
+                let [dc2, dt2] = near.fold([0.0; 2], |a, r| add(a, self.rows[r * w + x]));
+                self.tau[y * w + x] = self.lifetime(dc2, dt2);
+            }
+        }
+    }
+
+    /// The lifetime in seconds that squared changes over squared times make.
+    fn lifetime(&self, dc2: f32, dt2: f32) -> f32 {
+        let g2 = if dt2 > 0.0 { dc2 / dt2 } else { 0.0 };
+        let rate2 = 1.0 / (self.longest * self.longest) + g2 / (self.tolerance * self.tolerance);
+        (1.0 / rate2.sqrt()).max(self.shortest)
+    }
+}
+
+/// The lifetime tile of a pixel in an image of `width` pixels and `columns` tiles.
+pub(super) fn tile_of(pixel: u32, width: u32, columns: u32) -> usize {
+    let (x, y) = (pixel % width, pixel / width);
+    (y / TILE * columns + x / TILE) as usize
+}

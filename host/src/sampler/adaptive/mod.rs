@@ -1,0 +1,472 @@
+//! The adaptive sampler.
+//!
+//! After Dayal, Woolley, Watson & Luebke 2005 in aim: sample where the image is wrong, in space
+//! and time, without frames. Different in its means. An epoch (a sixtieth of a second, say):
+//!
+//! 1. **Warp** ([`cells`]): what is remembered moves to the view and the poses of mid-epoch.
+//! 2. **Lifetimes** ([`lifetime`]): verified samples say how fast light changes where.
+//! 3. In batches of a few milliseconds: **allocate** ([`allocate`]) shots to 4×4-pixel tiles by
+//!    water-filling over residuals, **aim** at the least covered of three pixels, or, for a fifth
+//!    of the shots, look again at a place seen before; **trace**; **learn**: the difference
+//!    between what was seen and what was remembered is the residual.
+//!
+//! Work is O(pixels) an epoch, O(tiles) a batch and O(1) a shot.
+
+mod alarm;
+mod allocate;
+mod cells;
+mod config;
+mod lifetime;
+mod projection;
+mod tiles;
+
+use glam::{UVec2, Vec3};
+
+use super::kdtree::{self, Node};
+use super::noise::{R2, Random, golden_stride};
+use super::srgb::{displayed, squared_difference};
+use super::uniform::within;
+use super::{Aim, Eye, Plan, Sampler, Seen, Shot, Span, trace};
+use alarm::Alarm;
+use cells::{Cells, Fading, Fresh, NONE};
+pub use config::Config;
+use lifetime::Lifetimes;
+use projection::{Projection, SKY_DEPTH, same_depth};
+use tiles::{Grid, Tile};
+
+/// The adaptive sampler of an image of fixed size.
+#[derive(Clone, Debug)]
+pub struct Adaptive {
+    config: Config,
+    grid: Grid,
+    cells: Cells,
+    lifetimes: Lifetimes,
+    projection: Projection,
+    /// Objects seen so far, in the order of their first samples.
+    objects: Vec<u8>,
+    tiles: Vec<Tile>,
+    fading: Fading,
+    alarm: Alarm,
+    cut: Option<f64>,
+    order: Vec<u32>,
+    random: Random,
+    points: R2,
+    /// Smoothed shots of each tile in a second.
+    rates: Vec<f32>,
+    scratch: Scratch,
+    stats: Stats,
+}
+
+/// Buffers that are reused.
+#[derive(Clone, Debug, Default)]
+struct Scratch {
+    errors: Vec<f32>,
+    filled: Vec<f32>,
+    shares: Vec<f32>,
+    visits: Vec<u32>,
+    plans: Vec<Plan>,
+    intents: Vec<Intent>,
+    seen: Vec<Seen>,
+}
+
+/// What a shot is for.
+#[derive(Clone, Copy, Debug)]
+struct Intent {
+    /// The tile that paid for it.
+    tile: u32,
+    /// The cell to be verified; [`NONE`] for a new sample.
+    cell: u32,
+    /// Displayed colour and birth of the sample to be verified.
+    colour: Vec3,
+    born: f32,
+}
+
+/// Counts since the beginning, for the ledger and for tests.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stats {
+    /// Shots taken.
+    pub shots: u64,
+    /// Shots that looked again at a place seen before.
+    pub verifications: u64,
+    /// Verifications that found something else there.
+    pub failed: u64,
+    /// Cuts noticed.
+    pub cuts: u64,
+    /// Cells remembered after the last warp.
+    pub cells: usize,
+    /// Share of the pixels that held a cell after the last warp.
+    pub coverage: f32,
+    /// Wall-clock seconds spent warping and summing, planning, tracing, learning.
+    pub seconds: [f64; 4],
+}
+
+impl Adaptive {
+    /// For an image of `size` pixels (each side at least 1).
+    #[must_use]
+    pub fn new(size: UVec2, config: Config) -> Self {
+        let grid = Grid::new(size);
+        Self {
+            cells: Cells::new(size, &config),
+            lifetimes: Lifetimes::new(size, &config),
+            projection: Projection::new(f64::NAN),
+            objects: Vec::new(),
+            tiles: vec![Tile::default(); grid.len()],
+            fading: Fading::default(),
+            alarm: Alarm::default(),
+            cut: None,
+            order: allocate::z_order(grid.columns, grid.rows),
+            random: Random::new(config.seed),
+            points: R2::new(config.seed as u32),
+            rates: vec![0.0; grid.len()],
+            scratch: Scratch::default(),
+            stats: Stats::default(),
+            grid,
+            config,
+        }
+    }
+
+    /// Counts since the beginning.
+    #[must_use]
+    pub fn stats(&self) -> Stats {
+        self.stats
+    }
+
+    /// The grid of lifetime tiles (8×8 pixels each, row by row) and their lifetimes in seconds.
+    #[must_use]
+    pub fn lifetimes(&self) -> (UVec2, &[f32]) {
+        (self.lifetimes.grid, &self.lifetimes.tau)
+    }
+
+    /// Moves the memory to the view of an instant and sums it up.
+    fn warp(&mut self, time: f64, eye: &dyn Eye) {
+        let step = (time - self.projection.time()) as f32;
+        self.projection = Projection::new(time);
+        for &object in &self.objects {
+            self.projection.prepare(object, eye);
+        }
+        let c = &self.config;
+        // The reconstructor's tail 1/(1+u²+u⁴) as an exponential that can be updated.
+        let fade = |tau: f32| (-step / (0.9 * tau)).exp();
+        self.fading.step = step;
+        self.fading.weights.clear();
+        self.fading
+            .weights
+            .extend(self.lifetimes.tau.iter().map(|&tau| fade(tau)));
+        self.fading.unseen = fade(c.lifetime_max);
+        self.fading.residuals = (-step / c.residual_memory).exp();
+        self.fading.gradients = (-step / c.gradient_memory).exp();
+        let lifetimes = &self.lifetimes;
+        self.cells.warp(&self.projection, &self.fading, |pixel| {
+            lifetimes.tile(pixel)
+        });
+        self.sum();
+        self.lifetimes.solve();
+    }
+
+    /// Sums the front cells up in their tiles.
+    fn sum(&mut self) {
+        self.tiles.fill(Tile::default());
+        self.lifetimes.clear();
+        let width = self.grid.size.x;
+        let mut covered = 0;
+        for (i, cell) in self.cells.pool.iter().enumerate() {
+            if cell.pixel == NONE || self.cells.front[cell.pixel as usize] != i as u32 {
+                continue;
+            }
+            let (x, y) = (cell.pixel % width, cell.pixel / width);
+            let tile = &mut self.tiles[self.grid.of(x, y)];
+            tile.samples += cell.weight;
+            tile.covered += 1.0;
+            tile.colour += cell.mean * cell.weight;
+            tile.residuals[0] += cell.residuals[0];
+            tile.residuals[1] += cell.residuals[1];
+            self.lifetimes
+                .add(self.lifetimes.tile(cell.pixel), cell.gradients);
+            covered += 1;
+        }
+        self.stats.cells = self.cells.pool.len();
+        self.stats.coverage = covered as f32 / self.cells.front.len() as f32;
+    }
+
+    /// Shares `count` shots out among the tiles: fills `scratch.visits`.
+    fn allocate(&mut self, count: usize) {
+        let c = &self.config;
+        let s = &mut self.scratch;
+        s.errors.clear();
+        s.filled.clear();
+        for (i, tile) in self.tiles.iter().enumerate() {
+            let (_, size) = self.grid.rect(i as u32);
+            let area = (size.x * size.y) as f32;
+            let error = if c.residuals {
+                tile.error(area - tile.covered, c)
+            } else {
+                1.0
+            };
+            s.errors.push(error * area);
+            s.filled
+                .push(if c.water_filling { tile.samples } else { 0.0 });
+        }
+        let (level, _) = allocate::water_level(&s.errors, &s.filled, count as f32);
+        if std::env::var("DBG").is_ok() {
+            eprintln!(
+                "level {level} count {count} errors {:?} filled {:?}",
+                &s.errors[80..96],
+                &s.filled[80..96]
+            );
+        }
+        let everywhere = c.uniform_share * count as f32 / (self.grid.size.element_product() as f32);
+        s.shares.clear();
+        for (i, (&error, &filled)) in s.errors.iter().zip(&s.filled).enumerate() {
+            let (_, size) = self.grid.rect(i as u32);
+            let due = (level * error - filled).max(0.0) * (1.0 - c.uniform_share);
+            s.shares.push(due + everywhere * (size.x * size.y) as f32);
+        }
+        allocate::visits(
+            &self.order,
+            &s.shares,
+            count,
+            self.random.unit(),
+            &mut s.visits,
+        );
+    }
+
+    /// Plans the visits as the shots `first..` of the span.
+    fn plan(&mut self, span: Span, first: usize) {
+        let s = &mut self.scratch;
+        s.plans.clear();
+        s.intents.clear();
+        let count = s.visits.len();
+        let stride = golden_stride(count);
+        let mut at = self.random.below(count.max(1) as u32) as usize;
+        for i in 0..count {
+            let tile = s.visits[at];
+            at = (at + stride) % count;
+            let (corner, size) = self.grid.rect(tile);
+            let again = self.random.unit() < self.config.verify_share;
+            // The least covered of three pixels is due a sample, the best covered a second look.
+            let mut best = (0, UVec2::ZERO, f32::INFINITY);
+            for _ in 0..3 {
+                let bits = self.random.next();
+                let p = corner
+                    + UVec2::new(
+                        (bits & 0xff) * size.x >> 8,
+                        (bits >> 8 & 0xff) * size.y >> 8,
+                    );
+                let pixel = p.y * self.grid.size.x + p.x;
+                let cover = self.cells.cover[pixel as usize];
+                let badness = if again { -cover } else { cover };
+                if badness < best.2 {
+                    best = (pixel, p, badness);
+                }
+            }
+            let (pixel, p, _) = best;
+            let time = span.instant(first + i);
+            let place = within(p.as_vec2() + self.points.next(), self.grid.size);
+            let mut intent = Intent {
+                tile,
+                cell: NONE,
+                colour: Vec3::ZERO,
+                born: 0.0,
+            };
+            let mut aim = Aim::Pixel(place);
+            let front = self.cells.front[pixel as usize];
+            if again && front != NONE {
+                let cell = &self.cells.pool[front as usize];
+                intent.cell = front;
+                (intent.colour, intent.born) = (cell.newest(), cell.born);
+                aim = Aim::Again {
+                    object: cell.object,
+                    local: cell.local,
+                    instead: place,
+                };
+            } else {
+                self.cells.cover[pixel as usize] += 1.0;
+            }
+            s.plans.push(Plan {
+                time,
+                aim,
+                seed: self.random.next(),
+            });
+            s.intents.push(intent);
+        }
+    }
+
+    /// Learns from what was seen.
+    fn learn(&mut self, eye: &dyn Eye) {
+        for i in 0..self.scratch.seen.len() {
+            let (seen, intent) = (self.scratch.seen[i], self.scratch.intents[i]);
+            let Shot { time, hit, .. } = seen.shot;
+            if !self.objects.contains(&hit.object) {
+                self.objects.push(hit.object);
+            }
+            self.projection.prepare(hit.object, eye);
+            let fresh = Fresh {
+                local: hit.local,
+                object: hit.object,
+                colour: displayed(hit.colour),
+                born: (time - self.projection.time()) as f32,
+            };
+            self.rates[intent.tile as usize] += 1.0;
+            match seen.expected {
+                Some(expected) if intent.cell != NONE => {
+                    self.verified(time, &fresh, hit.depth, expected, &intent);
+                }
+                _ => self.sampled(&fresh),
+            }
+        }
+        self.stats.shots += self.scratch.seen.len() as u64;
+    }
+
+    /// A new sample: its residual is its difference from what the memory showed there.
+    fn sampled(&mut self, fresh: &Fresh) {
+        let Some((at, depth)) = self.projection.project(fresh.object, fresh.local) else {
+            return;
+        };
+        let pixel = self.cells.pixel(at);
+        if pixel == NONE {
+            self.cells.deposit(fresh, at, depth);
+            return;
+        }
+        let tile = self
+            .grid
+            .of(pixel % self.grid.size.x, pixel / self.grid.size.x);
+        let mean = self.tiles[tile].mean();
+        let front = self.cells.front[pixel as usize];
+        let shown = if front == NONE {
+            mean
+        } else {
+            let cell = &self.cells.pool[front as usize];
+            let share = (cell.weight / 0.7).min(1.0);
+            Some(mean.map_or(cell.mean, |mean| mean.lerp(cell.mean, share)))
+        };
+        let index = self.cells.deposit(fresh, at, depth);
+        let tile = &mut self.tiles[tile];
+        tile.samples += 1.0;
+        tile.colour += fresh.colour;
+        if front == NONE {
+            tile.covered += 1.0;
+        }
+        if let Some(shown) = shown {
+            let r2 = squared_difference(shown, fresh.colour);
+            let cell = &mut self.cells.pool[index as usize];
+            for sums in [&mut cell.residuals, &mut tile.residuals] {
+                sums[0] += 1.0;
+                sums[1] += r2;
+            }
+        }
+    }
+
+    /// A second look at a stored place: found again, its change of colour over its age is the
+    /// temporal gradient; else the place is hidden or gone.
+    fn verified(&mut self, time: f64, fresh: &Fresh, depth: f32, expected: f32, intent: &Intent) {
+        self.stats.verifications += 1;
+        let cell = self.cells.pool[intent.cell as usize];
+        let found = if expected == f32::INFINITY {
+            depth == f32::INFINITY
+        } else {
+            fresh.object == cell.object && same_depth(depth, expected)
+        };
+        let dc2 = squared_difference(intent.colour, fresh.colour);
+        let wrong = !found || dc2 > 60.0 * 60.0;
+        if !found {
+            self.stats.failed += 1;
+        }
+        if self.config.cuts
+            && let Some(since) = self.alarm.verified(time, wrong)
+        {
+            self.forget(since);
+            return;
+        }
+        if cell.weight <= 0.0 {
+            self.sampled(fresh);
+            return;
+        }
+        if !found {
+            self.cells.kill(intent.cell);
+            self.sampled(fresh);
+            return;
+        }
+        let r2 = cell.residual(fresh.colour);
+        let dt = fresh.born - intent.born;
+        let depth = depth.min(SKY_DEPTH);
+        let outdated = dc2 > 9.0 * self.config.tolerance * self.config.tolerance;
+        self.cells.confirm(intent.cell, fresh, depth, outdated);
+        let cell = &mut self.cells.pool[intent.cell as usize];
+        cell.gradients[0] += dc2;
+        cell.gradients[1] += dt * dt;
+        cell.residuals[0] += 1.0;
+        cell.residuals[1] += r2;
+        let tile = &mut self.tiles[intent.tile as usize];
+        tile.samples += 1.0;
+        tile.colour += fresh.colour;
+        tile.residuals[0] += 1.0;
+        tile.residuals[1] += r2;
+    }
+
+    /// The scene changed wholly: start anew.
+    fn forget(&mut self, since: f64) {
+        self.stats.cuts += 1;
+        self.cut = Some(since);
+        self.cells.clear();
+        self.tiles.fill(Tile::default());
+        // What is left of the batch was aimed at cells that are gone.
+        self.scratch
+            .intents
+            .iter_mut()
+            .for_each(|intent| intent.cell = NONE);
+    }
+}
+
+impl Sampler for Adaptive {
+    fn epoch(&mut self, span: Span, eye: &dyn Eye, out: &mut Vec<Shot>) {
+        let clock = std::time::Instant::now;
+        let begin = clock();
+        self.warp(0.5 * (span.t0 + span.t1), eye);
+        self.stats.seconds[0] += begin.elapsed().as_secs_f64();
+        let fade = (-span.length() as f32 / self.config.residual_memory).exp();
+        self.rates.iter_mut().for_each(|rate| *rate *= fade);
+        let batches = (span.length() / self.config.batch).round().max(1.0) as usize;
+        let batch = span.shots.div_ceil(batches).max(1);
+        let mut first = 0;
+        while first < span.shots {
+            let count = batch.min(span.shots - first);
+            let t0 = clock();
+            self.allocate(count);
+            self.plan(span, first);
+            let t1 = clock();
+            trace(
+                &self.scratch.plans,
+                self.grid.size,
+                eye,
+                &mut self.scratch.seen,
+            );
+            let t2 = clock();
+            self.learn(eye);
+            out.extend(self.scratch.seen.iter().map(|seen| seen.shot));
+            let t3 = clock();
+            for (sum, (from, to)) in
+                self.stats.seconds[1..]
+                    .iter_mut()
+                    .zip([(t0, t1), (t1, t2), (t2, t3)])
+            {
+                *sum += (to - from).as_secs_f64();
+            }
+            first += count;
+        }
+    }
+
+    fn preferred_span(&self) -> f64 {
+        self.config.span
+    }
+
+    fn tiles(&mut self, out: &mut Vec<Node>) {
+        kdtree::clear(out);
+    }
+
+    fn take_cut(&mut self) -> Option<f64> {
+        self.cut.take()
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,225 @@
+//! The sampler on the analytic stage.
+
+use glam::{DAffine3, DVec3, UVec2, Vec2, Vec3};
+
+use super::*;
+use crate::sampler::stage::{PANEL, Stage, WALL};
+
+const SIZE: UVec2 = UVec2::new(64, 48);
+const LARGE: UVec2 = UVec2::new(128, 96);
+const RATE: f64 = 40_000.0;
+
+/// Lets a sampler work for a while; returns its shots.
+fn work(sampler: &mut Adaptive, stage: &Stage, from: f64, seconds: f64) -> Vec<Shot> {
+    let mut out = Vec::new();
+    let epochs = (seconds * 60.0).round() as usize;
+    for i in 0..epochs {
+        let at = |i: usize| from + i as f64 / 60.0;
+        let shots = ((at(i + 1) * RATE).round() - (at(i) * RATE).round()) as usize;
+        sampler.epoch(
+            Span {
+                t0: at(i),
+                t1: at(i + 1),
+                shots,
+            },
+            stage,
+            &mut out,
+        );
+    }
+    out
+}
+
+fn sampler() -> Adaptive {
+    Adaptive::new(SIZE, Config::default())
+}
+
+/// Whether a pixel looks at the panel, `margin` pixels inside its edge.
+fn on_panel(p: Vec2, size: UVec2, margin: f32) -> bool {
+    let half = PANEL / WALL * size.y as f32 - margin;
+    (p - size.as_vec2() * 0.5).abs().max_element() < half
+}
+
+#[test]
+fn takes_the_shots_it_is_given_in_order_and_within_the_image() {
+    let stage = Stage {
+        camera_speed: 2.0,
+        disc_speed: 1.0,
+        ..Stage::new(SIZE)
+    };
+    let out = work(&mut sampler(), &stage, 0.0, 0.5);
+    assert_eq!(out.len(), (RATE * 0.5) as usize);
+    for pair in out.windows(2) {
+        assert!((pair[1].time - pair[0].time - 1.0 / RATE).abs() < 1e-6);
+    }
+    assert!(out.iter().all(|s| s.pixel.cmpge(Vec2::ZERO).all()));
+    assert!(out.iter().all(|s| s.pixel.cmplt(SIZE.as_vec2()).all()));
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let stage = Stage {
+        camera_speed: 1.0,
+        disc_speed: 1.0,
+        panel_rate: 80.0,
+        ..Stage::new(SIZE)
+    };
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .expect("threads");
+        pool.install(|| work(&mut sampler(), &stage, 0.0, 0.3))
+    };
+    let one = with(1);
+    assert_eq!(one, with(3));
+    let mut other = Adaptive::new(
+        SIZE,
+        Config {
+            seed: 2,
+            ..Config::default()
+        },
+    );
+    assert_ne!(one, work(&mut other, &stage, 0.0, 0.3), "the seed matters");
+}
+
+#[test]
+fn verification_measures_a_known_gradient() {
+    // The panel changes by 100 levels a second: after a tenth of a second a sample is 10 levels
+    // off, the tolerance. The camera moves, which must not count.
+    let stage = Stage {
+        panel_rate: 100.0,
+        camera_speed: 0.3,
+        checker: 0.0,
+        ..Stage::new(LARGE)
+    };
+    let mut sampler = Adaptive::new(LARGE, Config::default());
+    work(&mut sampler, &stage, 0.0, 1.0);
+    let eye = stage.camera(1.0).eye;
+    let (grid, tau) = sampler.lifetimes();
+    let centre = |i: u32| (UVec2::new(i % grid.x, i / grid.x) * lifetime::TILE).as_vec2() + 4.0;
+    let shift = Vec2::X * (eye.x / WALL * LARGE.y as f32);
+    let panel: Vec<f32> = (0..grid.element_product())
+        .filter(|&i| on_panel(centre(i) + shift, LARGE, 16.0))
+        .map(|i| tau[i as usize])
+        .collect();
+    assert!(!panel.is_empty());
+    for tau in panel {
+        assert!(
+            (0.085..0.13).contains(&tau),
+            "lifetime {tau} where 0.1 is due"
+        );
+    }
+    assert!(tau[0] > 0.9, "the still corner lives {}", tau[0]);
+}
+
+#[test]
+fn shots_go_where_the_residual_is() {
+    let stage = Stage {
+        panel_rate: 300.0,
+        checker: 0.0,
+        ..Stage::new(SIZE)
+    };
+    let density = |config: Config| {
+        let mut sampler = Adaptive::new(SIZE, config);
+        let out = work(&mut sampler, &stage, 0.0, 1.0);
+        let late: Vec<_> = out.iter().filter(|s| s.time > 0.4).collect();
+        let area = (0..SIZE.element_product())
+            .filter(|i| {
+                on_panel(
+                    UVec2::new(i % SIZE.x, i / SIZE.x).as_vec2() + 0.5,
+                    SIZE,
+                    0.0,
+                )
+            })
+            .count();
+        let hits = late.iter().filter(|s| on_panel(s.pixel, SIZE, 0.0)).count();
+        let rest = (late.len() - hits) as f32 / (SIZE.element_product() as usize - area) as f32;
+        hits as f32 / area as f32 / rest
+    };
+    let adaptive = density(Config::default());
+    let blind = density(Config {
+        residuals: false,
+        water_filling: false,
+        ..Config::default()
+    });
+    assert!(
+        adaptive > 2.0,
+        "{adaptive} times as dense on the changing panel"
+    );
+    assert!((0.9..1.1).contains(&blind), "{blind} without residuals");
+}
+
+#[test]
+fn what_comes_into_view_is_served_first() {
+    // At 30 m/s the first epoch after one of rest finds nine new columns at the right.
+    let dash = Stage {
+        camera_speed: 30.0,
+        checker: 0.0,
+        ..Stage::new(SIZE)
+    };
+    let mut sampler = sampler();
+    work(
+        &mut sampler,
+        &Stage {
+            camera_speed: 0.0,
+            ..dash
+        },
+        -0.5,
+        0.5,
+    );
+    let out = work(&mut sampler, &dash, 1.0 / 60.0, 1.0 / 60.0);
+    let right = out.iter().filter(|s| s.pixel.x >= 55.0).count() as f32 / 9.0;
+    let left = out.iter().filter(|s| s.pixel.x < 55.0).count() as f32 / 55.0;
+    assert!(right > 4.0 * left, "{right} to {left} a column");
+}
+
+#[test]
+fn a_cut_is_noticed_within_a_refresh_or_two() {
+    let stage = Stage {
+        swap: 0.5,
+        disc_speed: 1.0,
+        ..Stage::new(SIZE)
+    };
+    let mut sampler = sampler();
+    work(&mut sampler, &stage, 0.0, 0.5);
+    assert_eq!(sampler.take_cut(), None);
+    work(&mut sampler, &stage, 0.5, 2.0 / 60.0);
+    let cut = sampler.take_cut().expect("a cut");
+    assert!((cut - 0.5).abs() < 0.02, "noticed as of {cut}");
+    assert_eq!(sampler.take_cut(), None);
+    work(&mut sampler, &stage, 0.5 + 2.0 / 60.0, 0.2);
+    assert_eq!(sampler.take_cut(), None, "once");
+    assert!(sampler.stats().coverage > 0.8);
+}
+
+#[test]
+fn projection_agrees_with_f64() {
+    let stage = Stage {
+        camera_speed: 1.3,
+        disc_speed: -0.7,
+        ..Stage::new(SIZE)
+    };
+    let time = 0.37;
+    let mut projection = Projection::new(time);
+    let mut random = Random::new(4);
+    for _ in 0..10_000 {
+        let object = (random.next() & 1) as u8;
+        projection.prepare(object, &stage);
+        let mut unit = || random.unit() * 2.0 - 1.0;
+        let local = Vec3::new(unit() * 3.0, unit() * 3.0, unit() * 4.0 + 4.1);
+        let camera = stage.camera(time);
+        let pose = stage.pose(object, time);
+        let pose = DAffine3::from_translation(glam::Vec3::from(pose.translation).as_dvec3());
+        let d = pose.transform_point3(local.as_dvec3()) - camera.eye.as_dvec3();
+        let z = d.dot(DVec3::from(camera.forward));
+        if z < 0.05 {
+            continue;
+        }
+        let x = d.dot(camera.right.as_dvec3()) / z * f64::from(camera.focal);
+        let y = d.dot(camera.down.as_dvec3()) / z * f64::from(camera.focal);
+        let (at, depth) = projection.project(object, local).expect("in front");
+        let error = (at.as_dvec2() - camera.centre.as_dvec2() - glam::DVec2::new(x, y)).length();
+        assert!(error < 1e-4 * x.hypot(y).max(1.0), "{error} px at {x}, {y}");
+        assert!((f64::from(depth) - z).abs() < 1e-5);
+    }
+}

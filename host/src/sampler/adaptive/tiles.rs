@@ -1,0 +1,70 @@
+//! What each 4×4-pixel tile knows: sums over its front cells.
+
+use glam::{UVec2, Vec3};
+
+use super::config::Config;
+
+/// Side of a tile, pixels.
+pub(super) const TILE: u32 = 4;
+
+/// Sums over the front cells of a tile.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Tile {
+    /// Samples, the old ones discounted.
+    pub(super) samples: f32,
+    /// Pixels that hold a cell.
+    pub(super) covered: f32,
+    /// Σ b and Σ b·r², r in displayed levels.
+    pub(super) residuals: [f32; 2],
+    /// Displayed colour, weighted by samples.
+    pub(super) colour: Vec3,
+}
+
+impl Tile {
+    /// The mean displayed colour; `None` of an empty tile.
+    pub(super) fn mean(&self) -> Option<Vec3> {
+        (self.samples > 0.05).then(|| self.colour / self.samples)
+    }
+
+    /// The error of a sample here in displayed levels: the residuals' root mean square, drawn
+    /// towards a prior where little is known. `holes` is the number of empty pixels.
+    pub(super) fn error(&self, holes: f32, config: &Config) -> f32 {
+        let prior = config.prior_weight + config.prior_hole * holes;
+        let [b, br2] = self.residuals;
+        let s2 = (br2 + prior * config.residual_prior * config.residual_prior) / (b + prior);
+        s2.sqrt().max(config.residual_floor)
+    }
+}
+
+/// The grid of tiles over an image.
+#[derive(Clone, Debug)]
+pub(super) struct Grid {
+    pub(super) size: UVec2,
+    pub(super) columns: u32,
+    pub(super) rows: u32,
+}
+
+impl Grid {
+    pub(super) fn new(size: UVec2) -> Self {
+        Self {
+            size,
+            columns: size.x.div_ceil(TILE),
+            rows: size.y.div_ceil(TILE),
+        }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        (self.columns * self.rows) as usize
+    }
+
+    /// The tile of a pixel.
+    pub(super) fn of(&self, x: u32, y: u32) -> usize {
+        (y / TILE * self.columns + x / TILE) as usize
+    }
+
+    /// Left top corner and size of a tile, pixels; tiles at the right and bottom may be cut off.
+    pub(super) fn rect(&self, tile: u32) -> (UVec2, UVec2) {
+        let corner = UVec2::new(tile % self.columns, tile / self.columns) * TILE;
+        (corner, UVec2::splat(TILE).min(self.size - corner))
+    }
+}

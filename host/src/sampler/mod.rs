@@ -1,0 +1,182 @@
+//! Where and when to look next: the samplers.
+//!
+//! A [`Sampler`] is asked for a [`Span`] of simulated time at a time. It plans its shots serially
+//! (cheap, seeded), lets an [`Eye`] trace them in parallel and learns from them serially, in the
+//! order of time: the result is the same whatever the number of threads. Every ray towards the
+//! scene is a shot and every shot is a sample of the stream: nothing is looked at for free.
+//!
+//! - [`uniform`]: samplers that learn nothing (the baselines);
+//! - [`adaptive`]: the sampler of this project;
+//! - [`kdtree`]: the k-d cut of the image that carries a sampler's side data to the display.
+
+pub mod adaptive;
+pub mod kdtree;
+mod noise;
+pub mod srgb;
+#[cfg(test)]
+mod stage;
+pub mod uniform;
+
+use glam::{Affine3A, UVec2, Vec2, Vec3};
+use rayon::prelude::*;
+use unframed_wire::{SKY, Status};
+
+use crate::trace::Hit;
+use crate::trace::camera::Camera;
+pub use kdtree::Node;
+
+/// All that a sampler may know of the scene: the view, the poses, and what a ray finds.
+///
+/// Times are seconds of simulated time. Views and poses of the near future may be asked for: an
+/// animation is known ahead, and for a live camera this is the place of a predictor. No sampler
+/// here looks further ahead than half a span.
+pub trait Eye: Sync {
+    /// The camera at an instant.
+    fn camera(&self, time: f64) -> Camera;
+    /// From an object's own coordinates to the world, metres. Object 0 is the static world; for
+    /// [`unframed_wire::SKY`] the translation to the eye.
+    fn pose(&self, object: u8, time: f64) -> Affine3A;
+    /// What is seen through a place of the image, in pixels from the top left corner.
+    fn look(&self, time: f64, pixel: Vec2, seed: u32) -> Hit;
+    /// What is seen from the eye in a direction whose component along the camera's axis is 1.
+    fn look_along(&self, time: f64, direction: Vec3, seed: u32) -> Hit;
+}
+
+/// A stretch of simulated time and its budget.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Span {
+    /// Begin, seconds; the instant of the first shot.
+    pub t0: f64,
+    /// End, seconds, not included.
+    pub t1: f64,
+    /// How many shots there are to take; shot `i` is taken at `t0 + (t1 − t0)·i/shots`.
+    pub shots: usize,
+}
+
+impl Span {
+    /// The instant of a shot, seconds.
+    #[must_use]
+    pub fn instant(&self, shot: usize) -> f64 {
+        self.t0 + (self.t1 - self.t0) * (shot as f64 / self.shots.max(1) as f64)
+    }
+
+    /// Length, seconds.
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        self.t1 - self.t0
+    }
+}
+
+/// One sample: when, where on the image, and what was found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shot {
+    /// The instant, seconds.
+    pub time: f64,
+    /// Place on the image at that instant, pixels from the top left corner; within the image.
+    pub pixel: Vec2,
+    /// What the ray found.
+    pub hit: Hit,
+}
+
+/// A way of choosing where to look.
+pub trait Sampler: Send {
+    /// Takes exactly `span.shots` shots in the order of time and appends them to `out`. Spans
+    /// follow each other without gaps.
+    fn epoch(&mut self, span: Span, eye: &dyn Eye, out: &mut Vec<Shot>);
+
+    /// The best length of a span for this sampler, seconds.
+    fn preferred_span(&self) -> f64 {
+        1.0 / 60.0
+    }
+
+    /// The k-d cut of the image with side data for the display, in preorder, as of the end of
+    /// the last epoch. Empty if the sampler has nothing to tell.
+    fn tiles(&mut self, out: &mut Vec<Node>) {
+        out.clear();
+    }
+
+    /// If the scene changed wholly since the last call: the instant (seconds) at which it did, as
+    /// far as the sampler can tell. The display should forget all samples before it.
+    fn take_cut(&mut self) -> Option<f64> {
+        None
+    }
+
+    /// The display's report.
+    fn status(&mut self, _status: &Status) {}
+}
+
+/// Where a planned shot goes.
+#[derive(Clone, Copy, Debug)]
+enum Aim {
+    /// Through a place of the image, pixels.
+    Pixel(Vec2),
+    /// At a place of an object (its own coordinates, metres) seen before; through the pixel
+    /// instead if the place is not within the image any more.
+    Again {
+        object: u8,
+        local: Vec3,
+        instead: Vec2,
+    },
+}
+
+/// A planned shot.
+#[derive(Clone, Copy, Debug)]
+struct Plan {
+    time: f64,
+    aim: Aim,
+    seed: u32,
+}
+
+/// A shot as its planner sees it.
+#[derive(Clone, Copy, Debug)]
+struct Seen {
+    shot: Shot,
+    /// For a place looked at again: the depth at which it must be, metres (infinite: the sky).
+    expected: Option<f32>,
+}
+
+/// Traces planned shots of an image of `size` pixels in parallel; `seen[i]` is that of `plans[i]`.
+fn trace(plans: &[Plan], size: UVec2, eye: &dyn Eye, seen: &mut Vec<Seen>) {
+    let through = |plan: &Plan, pixel: Vec2| {
+        let hit = eye.look(plan.time, pixel, plan.seed);
+        Seen {
+            shot: Shot {
+                time: plan.time,
+                pixel,
+                hit,
+            },
+            expected: None,
+        }
+    };
+    let look = |plan: &Plan| match plan.aim {
+        Aim::Pixel(pixel) => through(plan, pixel),
+        Aim::Again {
+            object,
+            local,
+            instead,
+        } => {
+            let camera = eye.camera(plan.time);
+            let offset = eye.pose(object, plan.time).transform_point3(local) - camera.eye;
+            let inside =
+                |p: &(Vec2, f32)| p.0.cmpge(Vec2::ZERO).all() && p.0.cmplt(size.as_vec2()).all();
+            let Some((pixel, depth)) = camera.project_direction(offset).filter(inside) else {
+                return through(plan, instead);
+            };
+            let hit = eye.look_along(plan.time, offset / depth, plan.seed);
+            let expected = if object == SKY { f32::INFINITY } else { depth };
+            Seen {
+                shot: Shot {
+                    time: plan.time,
+                    pixel,
+                    hit,
+                },
+                expected: Some(expected),
+            }
+        }
+    };
+    plans
+        .par_iter()
+        .with_min_len(32)
+        .map(look)
+        .collect_into_vec(seen);
+}
