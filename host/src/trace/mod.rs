@@ -4,6 +4,25 @@
 //! of its own under the transform of the instant.
 
 pub mod camera;
+mod check;
+mod epoch;
+mod geometry;
+mod ideal;
+mod light;
+mod moment;
+mod shade;
+mod skin;
+pub mod srgb;
+#[cfg(test)]
+mod tests;
+pub mod texture;
+mod world;
+
+pub use check::{MAX_SIZE, WorldError};
+pub use ideal::ideal;
+pub use moment::Moment;
+pub use obvhs::aabb::Aabb;
+pub use world::{MAX_OBJECTS, Motion, World};
 
 use glam::Vec3;
 

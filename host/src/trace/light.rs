@@ -1,0 +1,204 @@
+//! Where light comes from: punctual lights (KHR_lights_punctual) and emissive meshes.
+//!
+//! An emissive primitive without emissive texture is an area light. It is sampled at its
+//! centroid alone, so its shadows are hard; [`Lamp::incoming`] is the one place to change for
+//! stochastic area sampling. Primitives with an emissive texture and skinned ones are seen but
+//! light nothing.
+
+use glam::{Affine3A, Vec3, Vec3A};
+
+use crate::scene::animate::Animation;
+use crate::scene::model::{Light, LightKind, Node, Primitive, Scene};
+
+/// Most emissive primitives that light others; beyond, the most powerful are kept.
+const MAX_EMITTERS: usize = 16;
+
+/// A light of the scene, apart from where it is.
+#[derive(Clone, Debug)]
+pub(crate) struct Lamp {
+    node: usize,
+    shape: Shape,
+}
+
+#[derive(Clone, Debug)]
+enum Shape {
+    Punctual(Light),
+    /// In the node's coordinates.
+    Emitter {
+        centroid: Vec3,
+        /// Σ area·normal over the triangles, m².
+        area: Vec3,
+        /// Σ area over the triangles, m².
+        total: f32,
+        radiance: Vec3,
+    },
+}
+
+/// Where a lamp is at an instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Place {
+    position: Vec3,
+    /// Where it shines (unit), or the area vector of an emitter, m².
+    axis: Vec3,
+    /// Total area of an emitter, m².
+    total: f32,
+}
+
+impl Place {
+    /// Straight-line blend, for instants between two that are known.
+    pub(crate) fn lerp(&self, other: &Self, f: f32) -> Self {
+        Self {
+            position: self.position.lerp(other.position, f),
+            axis: self.axis.lerp(other.axis, f),
+            total: self.total + (other.total - self.total) * f,
+        }
+    }
+}
+
+/// Light that would arrive at a place if nothing stood in between.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Incoming {
+    /// Unit vector towards the light.
+    pub(crate) towards: Vec3,
+    /// Metres; infinite for directional light.
+    pub(crate) distance: f32,
+    /// Irradiance on a surface that faces the light, W/m².
+    pub(crate) irradiance: Vec3,
+}
+
+impl Lamp {
+    /// All lights of a scene.
+    pub(crate) fn all(scene: &Scene) -> Vec<Self> {
+        let mut lamps: Vec<Self> = Vec::new();
+        let mut emitters: Vec<(f32, Self)> = Vec::new();
+        for (i, node) in scene.nodes.iter().enumerate() {
+            if let Some(light) = node.light
+                && light.intensity.max_element() > 0.0
+            {
+                lamps.push(Self { node: i, shape: Shape::Punctual(light) });
+            }
+            for primitive in primitives(scene, node) {
+                if lights_others(scene, primitive.material) {
+                    emitters.extend(emitter(scene, i, primitive));
+                }
+            }
+        }
+        emitters.sort_by(|a, b| b.0.total_cmp(&a.0));
+        emitters.truncate(MAX_EMITTERS);
+        lamps.extend(emitters.into_iter().map(|(_, lamp)| lamp));
+        lamps
+    }
+
+    /// Whether the lamp's place varies.
+    pub(crate) fn moves(&self, animation: &Animation) -> bool {
+        animation.moves(self.node)
+    }
+
+    /// Its place when the nodes stand at `poses`.
+    pub(crate) fn place(&self, poses: &[Affine3A]) -> Place {
+        let pose = &poses[self.node];
+        match &self.shape {
+            Shape::Punctual(_) => Place {
+                position: pose.translation.into(),
+                axis: (pose.matrix3 * Vec3A::NEG_Z).normalize_or(Vec3A::NEG_Y).into(),
+                total: 0.0,
+            },
+            Shape::Emitter { centroid, area, total, .. } => {
+                // Area vectors transform by the cofactors.
+                let m = pose.matrix3;
+                let cofactors = glam::Mat3A::from_cols(
+                    m.y_axis.cross(m.z_axis),
+                    m.z_axis.cross(m.x_axis),
+                    m.x_axis.cross(m.y_axis),
+                );
+                Place {
+                    position: pose.transform_point3(*centroid),
+                    axis: (cofactors * Vec3A::from(*area)).into(),
+                    total: total * m.determinant().abs().powf(2.0 / 3.0),
+                }
+            }
+        }
+    }
+
+    /// What arrives at `at` from the lamp at `place`; `None` where that is nothing.
+    pub(crate) fn incoming(&self, place: &Place, at: Vec3) -> Option<Incoming> {
+        let offset = place.position - at;
+        let d2 = offset.length_squared().max(1e-8);
+        let distance = d2.sqrt();
+        let towards = offset / distance;
+        match &self.shape {
+            Shape::Punctual(light) => match light.kind {
+                LightKind::Directional => Some(Incoming {
+                    towards: -place.axis,
+                    distance: f32::INFINITY,
+                    irradiance: light.intensity,
+                }),
+                LightKind::Point => {
+                    let fall = falloff(d2, light.range)?;
+                    Some(Incoming { towards, distance, irradiance: light.intensity * fall })
+                }
+                LightKind::Spot { inner, outer } => {
+                    let (full, none) = (inner.cos(), outer.cos());
+                    let within = (-towards.dot(place.axis) - none) / (full - none).max(1e-3);
+                    if within <= 0.0 {
+                        return None;
+                    }
+                    let cone = within.min(1.0).powi(2);
+                    let fall = falloff(d2, light.range)? * cone;
+                    Some(Incoming { towards, distance, irradiance: light.intensity * fall })
+                }
+            },
+            Shape::Emitter { radiance, .. } => {
+                // A flat patch shows |N·w|; what its area vector lacks is closed, and a closed
+                // surface shows a quarter of its area on average (Cauchy).
+                let facing = place.axis.dot(towards).abs();
+                let closed = (place.total - place.axis.length()).max(0.0) / 4.0;
+                // Near the light the solid angle saturates instead of growing without bound.
+                let solid = (facing + closed) / (d2 + place.total / std::f32::consts::PI);
+                Some(Incoming { towards, distance, irradiance: *radiance * solid })
+            }
+        }
+    }
+}
+
+/// Whether surfaces of this material are area lights; these cast no shadow themselves.
+pub(crate) fn lights_others(scene: &Scene, material: usize) -> bool {
+    let m = &scene.materials[material];
+    m.emissive.max_element() > 0.0 && m.emissive_texture.is_none() && !m.unlit
+}
+
+/// 1/d² with the window that KHR_lights_punctual recommends; `None` beyond the range.
+fn falloff(d2: f32, range: f32) -> Option<f32> {
+    let window = if range.is_finite() {
+        1.0 - (d2 / (range * range).max(1e-12)).powi(2)
+    } else {
+        1.0
+    };
+    (window > 0.0).then(|| window.min(1.0) / d2)
+}
+
+fn primitives<'a>(scene: &'a Scene, node: &Node) -> &'a [Primitive] {
+    match (node.mesh, node.skin) {
+        (Some(mesh), None) => &scene.meshes[mesh].primitives,
+        _ => &[],
+    }
+}
+
+/// Power (up to a factor) and lamp of an emissive primitive.
+fn emitter(scene: &Scene, node: usize, primitive: &Primitive) -> Option<(f32, Lamp)> {
+    let (mut centroid, mut area, mut total) = (Vec3::ZERO, Vec3::ZERO, 0.0);
+    for triangle in &primitive.indices {
+        let [a, b, c] = triangle.map(|i| primitive.positions[i as usize]);
+        let vector = (b - a).cross(c - a) * 0.5;
+        let size = vector.length();
+        centroid += (a + b + c) / 3.0 * size;
+        area += vector;
+        total += size;
+    }
+    if total <= 0.0 {
+        return None;
+    }
+    let radiance = scene.materials[primitive.material].emissive;
+    let shape = Shape::Emitter { centroid: centroid / total, area, total, radiance };
+    Some((radiance.max_element() * total, Lamp { node, shape }))
+}

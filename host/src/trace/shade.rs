@@ -1,0 +1,225 @@
+//! What light a surface sends back: direct light with hard shadows, mirrors, glass.
+//!
+//! Diffuse is Lambert's, highlights are GGX with the height-correlated Smith term (Heitz 2014)
+//! and Schlick's Fresnel, as glTF 2.0 Appendix B describes. Mirrors and glass follow rays; both
+//! choices of a glass surface are followed, so nothing is random.
+
+use std::f32::consts::{FRAC_1_PI, PI};
+
+use glam::Vec3;
+
+use super::Rays;
+use super::moment::{Moment, Struck};
+use super::texture::pattern;
+use crate::scene::model::{MIRROR_ROUGHNESS, Material};
+
+/// Most bounces of a path.
+const MAX_BOUNCES: u32 = 4;
+/// Contributions below this (linear; half an 8-bit step in the darks) are not worth a ray.
+const NEGLIGIBLE: f32 = 1.0 / 2048.0;
+/// Paths that carry less than this are cut.
+const FAINT: f32 = 1.0 / 256.0;
+/// Rougher dielectrics have no visible highlight.
+const GLOSSY: f32 = 0.7;
+
+/// Shades one camera sample.
+pub(crate) struct Shader<'a> {
+    moment: &'a Moment<'a>,
+    /// Rays traced so far.
+    pub(crate) rays: Rays,
+    /// For effects that choose at random; none yet but the lens, which has chosen already.
+    #[expect(dead_code, reason = "area-light sampling takes its random numbers from here")]
+    seed: u32,
+}
+
+/// A surface's response to light at a place.
+struct Response {
+    albedo: Vec3,
+    /// Reflectance along the normal.
+    f0: Vec3,
+    /// GGX α, or `None` without highlight.
+    alpha: Option<f32>,
+}
+
+impl<'a> Shader<'a> {
+    pub(crate) fn new(moment: &'a Moment<'a>, seed: u32) -> Self {
+        Self { moment, rays: Rays::default(), seed }
+    }
+
+    /// Radiance of the sky.
+    pub(crate) fn sky(&self, direction: Vec3) -> Vec3 {
+        let sky = &self.moment.world.scene.sky;
+        sky.horizon.lerp(sky.zenith, direction.y.clamp(0.0, 1.0))
+    }
+
+    /// Radiance that a surface sends against the unit `direction` of the ray that met it.
+    /// `weight` is what the path so far lets through.
+    pub(crate) fn radiance(
+        &mut self,
+        struck: &Struck,
+        direction: Vec3,
+        bounces: u32,
+        weight: Vec3,
+    ) -> Vec3 {
+        let scene = &self.moment.world.scene;
+        let material = &scene.materials[struck.spot.material as usize];
+        let base = self.base(struck, material);
+        if material.unlit {
+            return base;
+        }
+        let mut light = self.emitted(struck, material);
+        // What is left for direct light after mirror and glass have taken their share.
+        let mut share = 1.0;
+        let mirror = material.metallic > 0.0 && material.roughness <= MIRROR_ROUGHNESS;
+        if mirror {
+            let cos = -direction.dot(struck.smooth);
+            let tint = schlick(base, cos) * material.metallic;
+            light += self.mirrored(struck, direction, bounces, weight, tint);
+            share -= material.metallic;
+        } else if material.transmission > 0.0 {
+            let part = material.transmission * (1.0 - material.metallic);
+            light += self.glass(struck, material, direction, bounces, weight, base * part);
+            share -= part;
+        }
+        if share * weight.max_element() <= NEGLIGIBLE {
+            return light;
+        }
+        let metallic = if mirror { 0.0 } else { material.metallic };
+        let glossy = !mirror && (metallic > 0.0 || material.roughness < GLOSSY);
+        let response = Response {
+            albedo: base * (1.0 - metallic),
+            f0: Vec3::splat(0.04).lerp(base, metallic),
+            alpha: glossy.then(|| material.roughness.max(MIRROR_ROUGHNESS).powi(2)),
+        };
+        let direct = self.direct(struck, direction, &response, weight * share);
+        light + (base * scene.sky.ambient + direct) * share
+    }
+
+    fn base(&self, struck: &Struck, material: &Material) -> Vec3 {
+        let world = self.moment.world;
+        let spot = &struck.spot;
+        let mut base = material.base_colour.truncate() * spot.colour.truncate();
+        if let Some(texture) = &material.base_texture {
+            base *= world.sampler.sample(&world.scene.textures, texture, spot.uv).truncate();
+        }
+        if let Some(procedural) = &material.procedural {
+            base *= pattern(procedural, spot.uv);
+        }
+        base
+    }
+
+    fn emitted(&self, struck: &Struck, material: &Material) -> Vec3 {
+        let world = self.moment.world;
+        match &material.emissive_texture {
+            Some(texture) if material.emissive != Vec3::ZERO => {
+                let texel = world.sampler.sample(&world.scene.textures, texture, struck.spot.uv);
+                material.emissive * texel.truncate()
+            }
+            _ => material.emissive,
+        }
+    }
+
+    /// Light that comes straight from the lamps.
+    fn direct(&mut self, s: &Struck, direction: Vec3, response: &Response, weight: Vec3) -> Vec3 {
+        let mut sum = Vec3::ZERO;
+        for (i, lamp) in self.moment.world.lamps.iter().enumerate() {
+            let Some(light) = lamp.incoming(&self.moment.lamp(i), s.place) else { continue };
+            let cos = s.smooth.dot(light.towards);
+            if cos <= 0.0 || s.flat.dot(light.towards) <= 0.0 {
+                continue;
+            }
+            let reflected = response.towards(s.smooth, -direction, light.towards);
+            let arriving = reflected * light.irradiance * cos;
+            if (arriving * weight).max_element() < NEGLIGIBLE {
+                continue;
+            }
+            self.rays.shadow += 1;
+            let origin = lifted(s.place, s.flat);
+            let reach = light.distance * 0.9999;
+            if !self.moment.blocked(origin, light.towards, reach) {
+                sum += arriving;
+            }
+        }
+        sum
+    }
+
+    fn mirrored(&mut self, s: &Struck, direction: Vec3, n: u32, weight: Vec3, tint: Vec3) -> Vec3 {
+        let mut reflected = direction - s.smooth * (2.0 * direction.dot(s.smooth));
+        let below = reflected.dot(s.flat);
+        if below < 1e-3 {
+            // An interpolated normal can send the ray into the surface: bend it out.
+            reflected += s.flat * (1e-3 - below);
+        }
+        tint * self.follow(lifted(s.place, s.flat), reflected, n, weight * tint)
+    }
+
+    /// Smooth glass: reflected and refracted light, weighted by the Fresnel equations.
+    fn glass(
+        &mut self,
+        s: &Struck,
+        material: &Material,
+        direction: Vec3,
+        bounces: u32,
+        weight: Vec3,
+        tint: Vec3,
+    ) -> Vec3 {
+        let eta = if s.front { 1.0 / material.ior.max(1.0) } else { material.ior.max(1.0) };
+        let cos = (-direction.dot(s.smooth)).max(0.0);
+        let sin2 = eta * eta * (1.0 - cos * cos);
+        let mut light = Vec3::ZERO;
+        let mut fresnel = 1.0;
+        if sin2 < 1.0 {
+            let cos_in = (1.0 - sin2).sqrt();
+            let parallel = (cos - eta * cos_in) / (cos + eta * cos_in);
+            let across = (eta * cos - cos_in) / (eta * cos + cos_in);
+            fresnel = 0.5 * (parallel * parallel + across * across);
+            let refracted = direction * eta + s.smooth * (eta * cos - cos_in);
+            let through = tint * (1.0 - fresnel);
+            let origin = lifted(s.place, -s.flat);
+            light += through * self.follow(origin, refracted, bounces, weight * through);
+        }
+        let whole = Vec3::splat(fresnel * material.transmission);
+        light + self.mirrored(s, direction, bounces, weight, whole)
+    }
+
+    /// Radiance along a bounced ray.
+    fn follow(&mut self, origin: Vec3, direction: Vec3, bounces: u32, weight: Vec3) -> Vec3 {
+        if weight.max_element() < FAINT || bounces >= MAX_BOUNCES {
+            // What is not followed any more is taken to be the ambient light.
+            return self.moment.world.scene.sky.ambient;
+        }
+        self.rays.bounce += 1;
+        let direction = direction.normalize_or(Vec3::Y);
+        match self.moment.closest(origin, direction) {
+            Some(struck) => self.radiance(&struck, direction, bounces + 1, weight),
+            None => self.sky(direction),
+        }
+    }
+}
+
+impl Response {
+    /// Reflected radiance for unit irradiance: the BRDF. All vectors point away from the surface.
+    fn towards(&self, n: Vec3, view: Vec3, light: Vec3) -> Vec3 {
+        let diffuse = self.albedo * FRAC_1_PI;
+        let Some(alpha) = self.alpha else { return diffuse };
+        let half = (view + light).normalize_or(n);
+        let (nv, nl) = (n.dot(view).max(1e-4), n.dot(light).max(1e-4));
+        let (nh, vh) = (n.dot(half).max(0.0), view.dot(half).max(0.0));
+        let a2 = alpha * alpha;
+        let spread = nh * nh * (a2 - 1.0) + 1.0;
+        let d = a2 / (PI * spread * spread).max(1e-9);
+        let smith = nl * (nv * nv * (1.0 - a2) + a2).sqrt()
+            + nv * (nl * nl * (1.0 - a2) + a2).sqrt();
+        diffuse + schlick(self.f0, vh) * (d * 0.5 / smith.max(1e-6))
+    }
+}
+
+fn schlick(f0: Vec3, cos: f32) -> Vec3 {
+    f0 + (Vec3::ONE - f0) * (1.0 - cos.clamp(0.0, 1.0)).powi(5)
+}
+
+/// A ray origin clear of the surface that it starts from, on the side of `normal`. The lift
+/// grows with the coordinates, as their rounding does.
+fn lifted(place: Vec3, normal: Vec3) -> Vec3 {
+    place + normal * (3e-5 * place.abs().max_element().max(1.0))
+}

@@ -1,0 +1,1 @@
+//! The tracer against slow and obvious twins.
