@@ -30,6 +30,11 @@ pub mod samples;
 pub mod schema;
 pub mod tiles;
 
+#[cfg(feature = "std")]
+pub mod fault;
+#[cfg(feature = "std")]
+pub mod recording;
+
 pub use fixed::{IndexBlock, IndexEntry, IndexKind, MAX_INDEX_ENTRIES, MAX_POSES, Poses, Trailer};
 pub use frame::{MAX_FRAME, MAX_PACKET};
 pub use packet::{Kind, Packet};

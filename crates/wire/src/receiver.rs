@@ -167,6 +167,12 @@ impl Receiver {
         self.frame_bytes
     }
 
+    /// Sequence number of the newest packet, stale ones aside.
+    #[must_use]
+    pub fn last_sequence(&self) -> Option<u16> {
+        self.expected.map(|next| next.wrapping_sub(1))
+    }
+
     /// Takes one byte; the kind and length of the good packet that it completes.
     fn byte(&mut self, byte: u8) -> Option<(Kind, usize)> {
         self.counters.bytes += 1;

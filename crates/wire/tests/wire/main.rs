@@ -1,6 +1,8 @@
 //! The wire format from outside the crate.
 
 mod common;
+mod files;
+mod link;
 mod measure;
 mod room;
 mod round_trip;

@@ -149,7 +149,11 @@ fn shade(p: V, hit: &Hit) -> [u8; 3] {
         .sum::<i64>()
         & 1
         == 1;
-    let check = if odd && m.is_multiple_of(3) { 0.25 } else { 1.0 };
+    let check = if odd && m.is_multiple_of(3) {
+        0.25
+    } else {
+        1.0
+    };
     let to_light = minus([5.0, 2.8, 2.0], p);
     let r2 = dot(to_light, to_light);
     let lambert = (dot(to_light, hit.normal) / r2.sqrt()).max(0.0);

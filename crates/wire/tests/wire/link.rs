@@ -1,0 +1,259 @@
+//! Bad links: nothing panics, damage is counted, the next good packet is found.
+
+use crate::common::*;
+use crate::room::{Rng, samples};
+use proptest::collection::vec;
+use proptest::prelude::*;
+use std::sync::OnceLock;
+use unframed_wire::fault::{Faults, LinkFault};
+use unframed_wire::*;
+
+/// The frames of a short stream with every kind of packet, over the wrap of the clock.
+pub(crate) fn frames() -> Vec<Vec<u8>> {
+    static FRAMES: OnceLock<Vec<Vec<u8>>> = OnceLock::new();
+    FRAMES.get_or_init(make_frames).clone()
+}
+
+fn make_frames() -> Vec<Vec<u8>> {
+    let mut out = Vec::new();
+    let mut sink = |frame: &[u8]| out.push(frame.to_vec());
+    let mut w = Writer::new();
+    let mut rng = Rng(3);
+    let tile = |x, w| {
+        TileNode::Leaf(Tile {
+            rect: Rect { x, y: 0, w, h: 256 },
+            ..Tile::default()
+        })
+    };
+    for i in 0..20u32 {
+        let time = Tick(u32::MAX - 100_000).after(i * 16_667);
+        w.hello(&hello(Layout::World, true), &mut sink).unwrap();
+        let view = View {
+            time,
+            eye: [1, 2, 3],
+            rows: [[4; 3]; 3],
+            frac_bits: 16,
+        };
+        w.view(&view, &mut sink).unwrap();
+        let pose = Pose {
+            object: 1,
+            matrix: [[9; 3]; 3],
+            frac_bits: 8,
+            translation: [7; 3],
+        };
+        w.poses(time, &[pose; 3], &mut sink).unwrap();
+        let nodes = [TileNode::Split(Axis::X), tile(0, 128), tile(128, 128)];
+        w.tiles(
+            time,
+            Rect {
+                x: 0,
+                y: 0,
+                w: 256,
+                h: 256,
+            },
+            &nodes,
+            &mut sink,
+        )
+        .unwrap();
+        for _ in 0..4 {
+            let (world, _) = samples(&mut rng, 40, 0.0, 0.0, true);
+            w.world_samples(time, &world, &mut sink).unwrap();
+        }
+        w.refresh(Refresh { time, index: i }, &mut sink).unwrap();
+    }
+    w.end(Tick(u32::MAX - 100_000).after(20 * 16_667), &mut sink)
+        .unwrap();
+    out
+}
+
+/// Decodes everything, iterators included; all values must be in range.
+fn drain(bytes: &[u8]) -> (usize, Counters) {
+    let mut receiver = Receiver::new();
+    let mut input = bytes;
+    let mut items = 0;
+    while let Some(packet) = receiver.push(&mut input) {
+        match packet {
+            Packet::World(s) => {
+                let announced = s.len();
+                let n = s.count();
+                assert!(n <= announced && announced <= MAX_SAMPLES);
+                items += n;
+            }
+            Packet::Screen(s) => {
+                items += s.inspect(|s| assert!(s.x < 4096 && s.y < 4096)).count();
+            }
+            Packet::Tiles(tiles) => {
+                let r = tiles.region();
+                for Tile { rect: t, .. } in tiles {
+                    assert!(t.w > 0 && t.x >= r.x && t.x + t.w <= r.x + r.w);
+                    assert!(t.h > 0 && t.y >= r.y && t.y + t.h <= r.y + r.h);
+                    items += 1;
+                }
+            }
+            _ => items += 1,
+        }
+    }
+    (items, *receiver.counters())
+}
+
+/// A frame around any payload, with good CRC: contents chosen by an enemy.
+fn forged(kind: u8, sequence: u16, payload: &[u8]) -> Vec<u8> {
+    let mut packet = vec![kind];
+    packet.extend(sequence.to_le_bytes());
+    packet.extend(payload);
+    packet.extend(frame::checksum(&packet).to_le_bytes());
+    let mut out = vec![0xA5; cobs::max_encoding_length(packet.len()) + 1];
+    let n = cobs::encode(&packet, &mut out);
+    out.truncate(n);
+    out.push(0);
+    out
+}
+
+proptest! {
+    #[test]
+    fn any_bytes_are_legal(bytes in vec(prop_oneof![3 => any::<u8>(), 1 => Just(0u8)], 0..8000)) {
+        let (_, counters) = drain(&bytes);
+        prop_assert_eq!(counters.bytes, bytes.len() as u64);
+    }
+
+    #[test]
+    fn forged_contents_stay_in_range(kind in 0u8..14, screen in any::<bool>(), payload in vec(any::<u8>(), 0..2000), head in any::<[u8; 4]>()) {
+        let layout = if screen { Layout::Screen } else { Layout::World };
+        let mut bytes = written(|w, mut sink| w.hello(&hello(layout, true && !screen), &mut sink).unwrap());
+        bytes.extend(forged(kind, 1, &payload));
+        // A region that is legal, so that the tree is reached.
+        let mut tiles = vec![head[0], 0, 0, 0, 0, 0, 0, 0, head[1].max(1), 0, head[2].max(1), 0, head[3] & 7];
+        tiles.extend(&payload[..payload.len().min(1900)]);
+        bytes.extend(forged(4, 2, &tiles));
+        // One run, so that the samples are reached.
+        let mut world = vec![1, 2, 3, 4, 0, 0, head[0]];
+        world.extend(&payload[..payload.len().min(1900)]);
+        bytes.extend(forged(5, 3, &world));
+        let (items, counters) = drain(&bytes);
+        prop_assert!(items >= 1);
+        prop_assert_eq!(counters.lost, 0);
+        let sum = counters.received + counters.damaged + counters.unknown;
+        prop_assert_eq!(sum, 4);
+    }
+
+    #[test]
+    fn one_bad_frame_is_counted_and_the_next_is_found(which in 0usize..100, at in any::<prop::sample::Index>(), bit in 0u8..8) {
+        let mut frames = frames();
+        let total = frames.len() as u64;
+        let which = 1 + which % (frames.len() - 2);
+        let frame = &mut frames[which];
+        let at = at.index(frame.len());
+        frame[at] ^= 1 << bit;
+        let split = frame[at] == 0;
+        let merged = at == frame.len() - 1;
+        let (_, c) = drain(&frames.concat());
+        let expected_lost = if merged { 2 } else { 1 };
+        prop_assert_eq!(c.lost, expected_lost, "at {} of {}", at, which);
+        prop_assert_eq!(c.received, total - expected_lost);
+        // A flipped byte that became a delimiter makes two frames of one.
+        let most = if split { 2 } else { 1 };
+        prop_assert!((1..=most).contains(&c.damaged), "{} damaged", c.damaged);
+    }
+
+    #[test]
+    fn a_bad_link_is_survived(seed in any::<u64>(), drop in 0u32..2000, flip in 0u32..2000, duplicate in 0u32..2000, truncate in 0u32..100_000) {
+        let mut link = LinkFault::new(seed, Faults { drop, flip, duplicate, truncate });
+        let frames = frames();
+        let mut bytes = Vec::new();
+        frames.iter().for_each(|frame| link.pass(frame, &mut bytes));
+        let (_, faulty) = drain(&bytes);
+        // After the trouble all packets of a new round arrive: the first may merge with debris.
+        bytes.push(0);
+        frames.iter().for_each(|frame| bytes.extend(frame));
+        let (_, c) = drain(&bytes);
+        let again = c.received + c.stale - faulty.received - faulty.stale;
+        prop_assert_eq!(again, frames.len() as u64);
+        if link.struck() == 0 {
+            prop_assert_eq!((faulty.lost, faulty.damaged), (0, 0));
+            prop_assert_eq!(faulty.received, frames.len() as u64);
+        } else {
+            prop_assert!(faulty.lost + faulty.damaged > 0 || faulty.received < frames.len() as u64);
+        }
+    }
+}
+
+#[test]
+fn sequence_numbers_wrap_and_repeats_are_stale() {
+    let mut bytes = written(|w, mut sink| {
+        w.resume_after(65_533);
+        w.hello(&hello(Layout::World, true), &mut sink).unwrap();
+        (0..5).for_each(|i| w.cut(Tick(i), &mut sink).unwrap());
+    });
+    let frames: Vec<Vec<u8>> = bytes
+        .split_inclusive(|&b| b == 0)
+        .map(<[u8]>::to_vec)
+        .collect();
+    // Lose one across the wrap, repeat the last.
+    bytes = [
+        &frames[0], &frames[1], &frames[3], &frames[4], &frames[5], &frames[5],
+    ]
+    .into_iter()
+    .flatten()
+    .copied()
+    .collect();
+    let (packets, c) = receive(&bytes, 1);
+    assert_eq!((packets.len(), c.received, c.lost, c.stale), (5, 5, 1, 1));
+}
+
+#[test]
+fn a_restarted_sender_is_followed() {
+    let one = frames().concat();
+    let long: Vec<u8> = written(|w, mut sink| {
+        w.hello(&hello(Layout::World, true), &mut sink).unwrap();
+        (0..300).for_each(|i| w.cut(Tick(i), &mut sink).unwrap());
+    });
+    let (_, c) = drain(&[long, one].concat());
+    assert_eq!(
+        (c.received, c.lost, c.stale),
+        (301 + frames().len() as u64, 0, 0)
+    );
+}
+
+#[test]
+fn packets_before_the_first_hello_are_not_guessed_at() {
+    let frames = frames();
+    let (packets, c) = receive(&frames[1..].concat(), 64);
+    assert!(matches!(packets[0], Owned::Hello(_)));
+    assert_eq!((c.early, c.lost, c.damaged), (8, 0, 0));
+}
+
+#[test]
+fn another_version_or_schema_is_a_typed_error() {
+    let hello = written(|w, mut sink| w.hello(&hello(Layout::World, true), &mut sink).unwrap());
+    let mut decoded = vec![0xA5; hello.len()];
+    let n = cobs::decode(&hello[..hello.len() - 1], &mut decoded)
+        .unwrap()
+        .frame_size();
+    let payload = &decoded[3..n - 4];
+    let damage = |payload: &[u8]| {
+        let frame = forged(1, 0, payload);
+        let mut receiver = Receiver::new();
+        assert!(receiver.push(&mut &frame[..]).is_none());
+        assert_eq!(receiver.counters().damaged, 1);
+        receiver.last_damage()
+    };
+    let with = |at: usize, value: u8| {
+        let mut p = payload.to_vec();
+        p[at] = value;
+        p
+    };
+    assert_eq!(damage(&with(0, b'X')), Some(Damage::Contents));
+    assert_eq!(damage(&with(4, 2)), Some(Damage::Version(2)));
+    let flipped = schema::HASH ^ 1;
+    assert_eq!(
+        damage(&with(5, flipped as u8)),
+        Some(Damage::Schema(flipped))
+    );
+    assert_eq!(damage(&[payload, &[0]].concat()), Some(Damage::Contents));
+    assert_eq!(
+        damage(&payload[..payload.len() - 1]),
+        Some(Damage::Contents)
+    );
+    // Width 256 is 00 01: without the high byte it is 0.
+    assert_eq!(damage(&with(10, 0)), Some(Damage::Contents));
+}
