@@ -17,7 +17,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (t, size, n) = (number(0, 0.0)?, number(1, 512.0)? as u32, number(2, 3.0)? as u32);
     let scene = match builtin(name) {
         Some(scene) => scene,
-        None => load(Path::new(name))?,
+        None => load(Path::new(name), None)?.scene,
     };
     let mut world = World::new(scene, [size, size])?;
     let image = ideal(&mut world, t, n);

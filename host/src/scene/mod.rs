@@ -3,5 +3,8 @@
 //! Units: metres, seconds, radians, linear Rec. 709 radiance. Right-handed, y up, a camera looks
 //! down its −z (glTF 2.0 §3.4). Time is continuous: everything is a function of seconds.
 
+pub mod animate;
+pub mod gltf;
+pub mod builtin;
 pub mod model;
 pub use model::*;
