@@ -1,8 +1,11 @@
 //! The host: a renderer that never waits for a frame.
 //!
 //! Data flows one way: [`scene`] (what there is) → [`trace`] (what a ray sees at an instant) →
-//! `sampler` (where and when to look next) → `stream` (bytes for the display).
+//! [`sampler`] (where and when to look next) → [`stream`] (bytes for the display); [`drive`] runs
+//! them in simulated time.
 
+pub mod drive;
 pub mod sampler;
 pub mod scene;
+pub mod stream;
 pub mod trace;

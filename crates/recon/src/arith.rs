@@ -39,7 +39,12 @@ impl Panel {
         let larger = if width > height { width } else { height } as u32 + 2 * GUARD as u32;
         let extent_bits = larger.next_power_of_two().trailing_zeros() as u8;
         let frac_bits = if extent_bits < 9 { 7 } else { 16 - extent_bits };
-        Some(Self { width, height, extent_bits, frac_bits })
+        Some(Self {
+            width,
+            height,
+            extent_bits,
+            frac_bits,
+        })
     }
 
     /// Number of pixels.
@@ -69,8 +74,8 @@ pub struct Projected<A: Arith> {
     pub depth: A::Depth,
     /// What it counts for: its decline with age; zero when it is out of sight.
     pub weight: A::Weight,
-    /// Filter widths in x and y, indices into [`crate::tables::TAPS`].
-    pub widths: [u8; 2],
+    /// Filter widths in x and y.
+    pub widths: [A::Width; 2],
 }
 
 /// A colour and how much is known of it.
@@ -100,6 +105,8 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
     type Mass: Copy + Default + Send + Sync + core::fmt::Debug;
     /// log2 of a positive quantity.
     type Log: Copy + Default + Send + Sync + core::fmt::Debug;
+    /// A filter width: log2 of σ in pixels.
+    type Width: Copy + Default + Send + Sync + core::fmt::Debug;
     /// A sum of products, one of the pixel's.
     type Sum: Copy + Default + Send + Sync + core::fmt::Debug;
     /// A light value.
@@ -148,7 +155,7 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
         panel: &Panel,
         x: Self::Coord,
         y: Self::Coord,
-    ) -> (Self::Log, u8, u8);
+    ) -> (Self::Log, Self::Width, Self::Width);
 
     /// Weight of a sample `age` microseconds old.
     fn decline(kernel: TimeKernel, age: u32, lifetime: Self::Log) -> Self::Weight;
@@ -162,11 +169,24 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
     /// Adds masses.
     fn add_mass(a: Self::Mass, b: Self::Mass) -> Self::Mass;
 
-    /// Index of the filter width for a mass in 5 × 5 pixels: σ = 0.55·5/√mass in 0.35..=1.2 px.
-    fn width_of(mass: Self::Mass) -> u8;
+    /// The filter width for a mass in 5 × 5 pixels: σ = 0.55·5/√mass in 0.35..=1.2 px.
+    fn width_of(mass: Self::Mass) -> Self::Width;
 
-    /// Filter tap of a width at the distance of coordinate `v` from the centre of `pixel`.
-    fn tap(panel: &Panel, width: u8, v: Self::Coord, pixel: i32) -> Self::Weight;
+    /// A filter width given as log2 of σ in pixels with 8 fractional bits.
+    fn width(q8: i32) -> Self::Width;
+
+    /// How many pixels beyond its own a sample's footprint reaches: 3 σ, at most [`REACH`].
+    fn reach(width: Self::Width) -> i32;
+
+    /// Filter taps of a width at the distances of coordinate `v` from the centres of `pixel` and
+    /// the pixels after it: e^(−d²/2σ²), zero beyond 3 σ and beyond [`REACH`].
+    fn taps(
+        panel: &Panel,
+        width: Self::Width,
+        v: Self::Coord,
+        pixel: i32,
+        taps: &mut [Self::Weight],
+    );
 
     /// Product of weights.
     fn times(a: Self::Weight, b: Self::Weight) -> Self::Weight;

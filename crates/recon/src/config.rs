@@ -102,7 +102,10 @@ impl Config {
     };
 
     /// Traditional frameless display.
-    pub const NEWEST: Self = Self { mode: Mode::Newest, ..Self::ADAPTIVE };
+    pub const NEWEST: Self = Self {
+        mode: Mode::Newest,
+        ..Self::ADAPTIVE
+    };
 
     /// Reprojection and one constant filter: σ 0.6 px, e^(−u²/2) with 0.25 s.
     pub const UNIFORM: Self = Self {

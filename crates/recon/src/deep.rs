@@ -50,7 +50,11 @@ pub struct DeepBuffer<'a> {
 impl<'a> DeepBuffer<'a> {
     /// An empty ring that holds as many samples as `storage`.
     pub fn new(storage: &'a mut [Stored]) -> Self {
-        Self { samples: storage, next: 0, len: 0 }
+        Self {
+            samples: storage,
+            next: 0,
+            len: 0,
+        }
     }
 
     /// Samples stored.
@@ -120,7 +124,10 @@ mod tests {
         let mut storage = [Stored::default(); 3];
         let mut ring = DeepBuffer::new(&mut storage);
         for time in 0..5 {
-            ring.push(Stored { time, ..Stored::default() });
+            ring.push(Stored {
+                time,
+                ..Stored::default()
+            });
         }
         let mut times: std::vec::Vec<_> = ring.samples().iter().map(|s| s.time).collect();
         times.sort_unstable();

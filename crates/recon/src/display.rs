@@ -6,14 +6,15 @@
 use crate::arith::{Arith, Panel, Projected};
 use crate::config::{Config, Extents, Fit, Lifetime, Light, Mode};
 use crate::deep::{DeepBuffer, Placing, Stored, age, slot};
-use crate::extents::width_of_log2;
 use crate::memory::{Memory, SetupError, Slot};
 use crate::splat::{self, Target};
 use crate::tables::{SRGB_TO_LINEAR, linear_to_srgb};
 use crate::tiles::TileMap;
 use crate::transform::{pose_is_sound, view_is_sound};
 use crate::{fill, hidden, solve};
-use unframed_wire::{Hello, Layout, Pose, Refresh, ScreenSample, Tick, Tile, View, WorldSample};
+use unframed_wire::{
+    Hello, Layout, Packet, Pose, Refresh, ScreenSample, Tick, Tile, View, WorldSample,
+};
 
 /// 8-bit codes as they are, spread over 16 bits.
 static ENCODED: [u16; 256] = {
@@ -50,7 +51,7 @@ pub struct Display<'a, A: Arith> {
     minima: &'a mut [A::Depth],
     limits: &'a mut [A::Depth],
     mass: &'a mut [A::Mass],
-    widths: &'a mut [u8],
+    widths: &'a mut [A::Width],
     target: Target<'a, A>,
     texels: &'a mut [crate::arith::Texel<A>],
     pyramid: &'a mut [crate::arith::Texel<A>],
@@ -141,6 +142,31 @@ impl<'a, A: Arith> Display<'a, A> {
         &self.tiles
     }
 
+    /// Takes a packet; a Refresh makes the picture and is handed back.
+    pub fn receive(&mut self, packet: Packet<'_>) -> Option<Refresh> {
+        match packet {
+            Packet::Hello(hello) => self.hello(&hello),
+            Packet::View(view) => self.view(&view),
+            Packet::Poses(poses) => poses.for_each(|pose| self.pose(&pose)),
+            Packet::Tiles(tiles) => tiles.for_each(|tile| self.tile(&tile)),
+            Packet::World(samples) => {
+                let time = samples.time();
+                samples.for_each(|sample| self.world_sample(time, &sample));
+            }
+            Packet::Screen(samples) => {
+                let time = samples.time();
+                samples.for_each(|sample| self.screen_sample(time, &sample));
+            }
+            Packet::Cut(_) => self.cut(),
+            Packet::Refresh(refresh) => {
+                self.refresh(&refresh);
+                return Some(refresh);
+            }
+            Packet::End(_) | Packet::Status(_) | Packet::Index(_) | Packet::Trailer(_) => {}
+        }
+        None
+    }
+
     /// Takes a Hello. A stream for another panel is refused; a new description starts anew.
     pub fn hello(&mut self, hello: &Hello) {
         if (hello.width, hello.height) != self.size() {
@@ -222,7 +248,14 @@ impl<'a, A: Arith> Display<'a, A> {
             .map(|(x, y, _)| [x, y].map(|v| A::to_sixteenths(&self.panel, v)));
         match place {
             Some([x, y]) if x >= 0 && y >= 0 => {
-                self.screen(time, &ScreenSample { x: x as u16, y: y as u16, rgb: sample.rgb });
+                self.screen(
+                    time,
+                    &ScreenSample {
+                        x: x as u16,
+                        y: y as u16,
+                        rgb: sample.rgb,
+                    },
+                );
             }
             _ => self.counts.unplaced += 1,
         }
@@ -230,7 +263,10 @@ impl<'a, A: Arith> Display<'a, A> {
 
     /// Takes a sample on the screen, taken at `time`.
     pub fn screen_sample(&mut self, time: Tick, sample: &ScreenSample) {
-        if self.hello.is_none_or(|hello| hello.layout != Layout::Screen) {
+        if self
+            .hello
+            .is_none_or(|hello| hello.layout != Layout::Screen)
+        {
             self.counts.unplaced += 1;
         } else {
             self.screen(time, sample);
@@ -294,7 +330,13 @@ impl<'a, A: Arith> Display<'a, A> {
             Light::Encoded => &ENCODED,
         };
         let projected = &self.projected[..len];
-        splat::scatter(&self.panel, self.deep.samples(), projected, light, &mut self.target);
+        splat::scatter(
+            &self.panel,
+            self.deep.samples(),
+            projected,
+            light,
+            &mut self.target,
+        );
         if self.config.fit == Fit::Linear {
             solve::planes::<A>(self.target.sums, self.target.moments, self.texels);
         } else {
@@ -329,7 +371,7 @@ impl<'a, A: Arith> Display<'a, A> {
                     .and_then(|transform| A::project(transform, panel, sample.place)),
             };
             let Some((x, y, depth)) = place else { continue };
-            let (mut lifetime, mut widths) = (A::Log::default(), [0; 2]);
+            let (mut lifetime, mut widths) = (A::Log::default(), [A::Width::default(); 2]);
             if config.extents == Extents::Gradient || config.lifetime == Lifetime::Gradient {
                 let (et, wx, wy) = A::extents(&self.tiles, panel, x, y);
                 (lifetime, widths) = (et, [wx, wy]);
@@ -340,10 +382,16 @@ impl<'a, A: Arith> Display<'a, A> {
                 Lifetime::Gradient => {}
             }
             if let Extents::Constant(log) = config.extents {
-                widths = [width_of_log2(log.into()); 2];
+                widths = [A::width(log.into()); 2];
             }
             let weight = A::decline(config.kernel, age, lifetime);
-            *projected = Projected { x, y, depth, weight, widths };
+            *projected = Projected {
+                x,
+                y,
+                depth,
+                weight,
+                widths,
+            };
         }
     }
 
@@ -354,7 +402,11 @@ impl<'a, A: Arith> Display<'a, A> {
                 continue;
             }
             let pixel = panel.nearest(A::pixel(panel, sample.x), A::pixel(panel, sample.y));
-            if self.limits.get(pixel).is_some_and(|limit| *limit < sample.depth) {
+            if self
+                .limits
+                .get(pixel)
+                .is_some_and(|limit| *limit < sample.depth)
+            {
                 sample.weight = A::Weight::default();
             }
         }
@@ -370,7 +422,7 @@ impl<'a, A: Arith> Display<'a, A> {
         splat::widths::<A>(panel, self.mass, self.widths);
         for sample in projected {
             let pixel = panel.nearest(A::pixel(panel, sample.x), A::pixel(panel, sample.y));
-            sample.widths = [self.widths.get(pixel).copied().unwrap_or(0); 2];
+            sample.widths = [self.widths.get(pixel).copied().unwrap_or_default(); 2];
         }
     }
 

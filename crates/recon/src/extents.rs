@@ -6,8 +6,6 @@
 //!
 //! Everything here is in log2 with 8 fractional bits and common to all arithmetics.
 
-use crate::tables::{SIGMA_FIRST, SIGMA_STEP, SIGMAS};
-
 /// Gradients are at least 0.004 a pixel …
 const LEAST_SPATIAL: i32 = -2039;
 /// … and 0.02 a second: below lies noise.
@@ -39,16 +37,10 @@ pub fn extents(gx: i32, gy: i32, gt: i32, density: i32) -> (i32, i32, i32) {
     (ex, ey, et)
 }
 
-/// The width index of log2 σ in pixels, to the nearest step.
+/// log2 σ of an extent: σ = 0.65·e.
 #[must_use]
-pub fn width_of_log2(sigma: i32) -> u8 {
-    ((sigma - SIGMA_FIRST + SIGMA_STEP / 2) / SIGMA_STEP).clamp(0, SIGMAS as i32 - 1) as u8
-}
-
-/// The width index of an extent: σ = 0.65·e.
-#[must_use]
-pub fn width_of_extent(extent: i32) -> u8 {
-    width_of_log2(extent + SIGMA_OF_EXTENT)
+pub fn sigma_of_extent(extent: i32) -> i32 {
+    extent + SIGMA_OF_EXTENT
 }
 
 #[cfg(test)]

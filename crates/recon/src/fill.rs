@@ -51,7 +51,11 @@ fn pull_level<A: Arith>(fine: &[Texel<A>], size: Size, pyramid: &mut [Texel<A>])
             for x in 0..below.0 {
                 let at = |dx: usize, dy: usize| {
                     let (x, y) = (2 * x + dx, 2 * y + dy);
-                    if x < size.0 && y < size.1 { finer[y * size.0 + x] } else { Texel::default() }
+                    if x < size.0 && y < size.1 {
+                        finer[y * size.0 + x]
+                    } else {
+                        Texel::default()
+                    }
                 };
                 level[y * below.0 + x] = A::pull([at(0, 0), at(1, 0), at(0, 1), at(1, 1)]);
             }
@@ -92,7 +96,12 @@ fn push_level<A: Arith>(fine: &mut [Texel<A>], size: Size, coarse: &[Texel<A>], 
         for (x, texel) in line.iter_mut().enumerate() {
             let (near_x, far_x) = (x / 2, beside(x, below.0));
             let at = |x: usize, y: usize| coarse[y * below.0 + x];
-            let around = [at(near_x, near_y), at(far_x, near_y), at(near_x, far_y), at(far_x, far_y)];
+            let around = [
+                at(near_x, near_y),
+                at(far_x, near_y),
+                at(near_x, far_y),
+                at(far_x, far_y),
+            ];
             *texel = A::push(*texel, around);
         }
     }
@@ -101,5 +110,9 @@ fn push_level<A: Arith>(fine: &mut [Texel<A>], size: Size, coarse: &[Texel<A>], 
 /// The coarse neighbour on the side of fine index `i`, clamped.
 fn beside(i: usize, len: usize) -> usize {
     let near = i / 2;
-    if i % 2 == 0 { near.saturating_sub(1) } else { (near + 1).min(len - 1) }
+    if i % 2 == 0 {
+        near.saturating_sub(1)
+    } else {
+        (near + 1).min(len - 1)
+    }
 }

@@ -1,10 +1,12 @@
 //! The deployed arithmetic: integers alone. Formats and bounds are in `docs/NUMERICS.md`.
 
-use crate::arith::{Arith, GUARD, Moments, Panel, Sums, Texel};
+use crate::arith::{Arith, GUARD, Moments, Panel, REACH, Sums, Texel};
 use crate::config::TimeKernel;
 use crate::extents;
-use crate::num::{Divider, exponent, log2_q11, mul_hi, normalise, reciprocal, shift};
-use crate::tables::{TAP_LEN, TAPS, TIME, TIME_FIRST, TIME_LEN};
+use crate::num::{
+    Divider, exp2, exp2_negative, exponent, log2_q11, mul_hi, normalise, reciprocal, shift,
+};
+use crate::tables::{TIME, TIME_FIRST};
 use crate::tiles::{CELL_BITS, Cell, TileMap};
 use crate::transform::Transform;
 use unframed_wire::{LogCode, Pose, View};
@@ -18,36 +20,43 @@ pub struct Fixed;
 const DEPTH_FIRST: i32 = -8;
 /// One, with 15 fractional bits.
 const ONE: u32 = 1 << 15;
-/// log2 of 10^6 with 8 fractional bits: microseconds in a second.
-const LOG2_MICROS: i32 = 5103;
+/// log2 of 10^6 with 11 fractional bits: microseconds in a second.
+const LOG2_MICROS: i32 = 40820;
 /// Weight at which a pixel is known well enough: 0.3.
 const ENOUGH: u64 = 9830;
-/// Fractional bits of pixel distances in moments.
-const DISTANCE_BITS: u32 = 7;
+/// Fractional bits of pixel distances. A coordinate is rounded down to at most 7 bits, so it
+/// stands for the middle of its step and a distance needs one bit more.
+const DISTANCE_BITS: u32 = 8;
+/// The most that one pixel's mass counts: 64 samples, where σ is at its least anyway.
+const MASS_LIMIT: u32 = 64 << 15;
 /// The ridge on the plane's slopes, px² with 20 fractional bits, see [`crate::solve`].
 const RIDGE: i64 = crate::solve::RIDGE_Q20;
 
-/// log2 with 8 fractional bits, rounded.
-fn log2_q8(v: u64) -> i32 {
-    (log2_q11(v) + 4) >> 3
+/// The distance of a coordinate from the centre of a pixel.
+#[inline]
+fn distance(panel: &Panel, v: u16, pixel: i32) -> i32 {
+    let bits = u32::from(panel.frac_bits);
+    let steps = 2 * i32::from(v) + 1 - (2 * (pixel + GUARD) + 1) * (1 << bits);
+    steps << (DISTANCE_BITS - 1 - bits)
 }
 
 /// Where a coordinate lies between the centres of cells: the cell before, and the way to the
-/// next in 1/64.
+/// next in 1/512.
 fn between_cells(panel: &Panel, v: u16) -> (i32, i32) {
     let bits = u32::from(panel.frac_bits);
     let from_centre = i32::from(v) - (GUARD << bits) - ((1 << CELL_BITS >> 1) << bits);
     let cell = from_centre >> (bits + CELL_BITS);
     let rest = from_centre & ((1 << (bits + CELL_BITS)) - 1);
-    (cell, shift(i64::from(rest), 6 - (bits + CELL_BITS) as i32) as i32)
+    (cell, rest << (9 - bits - CELL_BITS))
 }
 
-/// A tile quantity, bilinear between cells: log2 with 8 fractional bits.
+/// A tile quantity, bilinear between cells: log2 with 11 fractional bits.
 fn bilinear(cells: &[Cell; 4], fx: i32, fy: i32, of: impl Fn(&Cell) -> LogCode) -> i32 {
     let [a, b, c, d] = [0, 1, 2, 3].map(|i| of(&cells[i]).log2_q8());
-    let top = a * (64 - fx) + b * fx;
-    let bottom = c * (64 - fx) + d * fx;
-    (top * (64 - fy) + bottom * fy + 2048) >> 12
+    // |log2| ≤ 2^12 with 8 fractional bits, times 2^18.
+    let top = a * (512 - fx) + b * fx;
+    let bottom = c * (512 - fx) + d * fx;
+    (top * (512 - fy) + bottom * fy + (1 << 14)) >> 15
 }
 
 impl Arith for Fixed {
@@ -56,6 +65,7 @@ impl Arith for Fixed {
     type Weight = u16;
     type Mass = u32;
     type Log = i32;
+    type Width = i16;
     type Sum = i64;
     type Light = u16;
     type Confidence = u16;
@@ -85,7 +95,8 @@ impl Arith for Fixed {
         let inverse = reciprocal(normalise(w as u64));
         let extent = i32::from(panel.extent_bits);
         let drop = 31 - extent - i32::from(panel.frac_bits);
-        let quotient = |v: i64| (mul_hi(shift(v, 31 - top - extent) as u32, inverse) >> drop) as u16;
+        let quotient =
+            |v: i64| (mul_hi(shift(v, 31 - top - extent) as u32, inverse) >> drop) as u16;
         let depth = log2_q11(w as u64) + (transform.exponent - DEPTH_FIRST) * 2048;
         Some((quotient(x), quotient(y), depth.clamp(0, 65534) as u16))
     }
@@ -121,20 +132,21 @@ impl Arith for Fixed {
     }
 
     fn log(q8: i16) -> i32 {
-        i32::from(q8)
+        i32::from(q8) << 3
     }
 
-    fn extents(map: &TileMap<'_>, panel: &Panel, x: u16, y: u16) -> (i32, u8, u8) {
+    fn extents(map: &TileMap<'_>, panel: &Panel, x: u16, y: u16) -> (i32, i16, i16) {
         let ((column, fx), (row, fy)) = (between_cells(panel, x), between_cells(panel, y));
         let cells = map.around(column, row);
-        let log = |of: fn(&Cell) -> LogCode| bilinear(&cells, fx, fy, of);
+        let log = |of: fn(&Cell) -> LogCode| (bilinear(&cells, fx, fy, of) + 4) >> 3;
         let (ex, ey, et) = extents::extents(
             log(|cell| cell.gx),
             log(|cell| cell.gy),
             log(|cell| cell.gt),
             log(|cell| cell.density),
         );
-        (et, extents::width_of_extent(ex), extents::width_of_extent(ey))
+        let width = |extent| Self::width(extents::sigma_of_extent(extent));
+        (et << 3, width(ex), width(ey))
     }
 
     #[inline]
@@ -144,9 +156,13 @@ impl Arith for Fixed {
             TimeKernel::Gaussian => &TIME[1],
             TimeKernel::Exponential => &TIME[2],
         };
-        let u = log2_q8(u64::from(age)) - LOG2_MICROS - lifetime;
-        let index = (u - TIME_FIRST).max(0) as usize;
-        table.get(index.min(TIME_LEN)).copied().unwrap_or(0)
+        let u = log2_q11(u64::from(age)) - LOG2_MICROS - lifetime - 8 * TIME_FIRST;
+        let u = u.max(0) as usize;
+        let (Some(a), Some(b)) = (table.get(u >> 3), table.get((u >> 3) + 1)) else {
+            return 0;
+        };
+        // Declining: a ≥ b.
+        a - (((a - b) * (u & 7) as u16 + 4) >> 3)
     }
 
     #[inline]
@@ -156,8 +172,7 @@ impl Arith for Fixed {
 
     #[inline]
     fn gather(mass: &mut u32, weight: u16) {
-        // 8 fractional bits: 2^16 samples of one pixel fit, more saturate.
-        *mass = mass.saturating_add(u32::from(weight >> 7)).min(1 << 24);
+        *mass = (*mass + u32::from(weight)).min(MASS_LIMIT);
     }
 
     #[inline]
@@ -166,22 +181,37 @@ impl Arith for Fixed {
     }
 
     #[inline]
-    fn width_of(mass: u32) -> u8 {
-        // log2(0.55 · 5) − ½ log2(mass), and mass has 8 fractional bits.
-        let sigma = 374 - ((log2_q8(u64::from(mass.max(1))) - 8 * 256) >> 1);
-        // 1.2 px is log2 67/256.
-        extents::width_of_log2(sigma.min(67))
+    fn width_of(mass: u32) -> i16 {
+        // log2(0.55 · 5) is 2989; a mass has 15 fractional bits.
+        let sigma = 2989 - ((log2_q11(u64::from(mass.max(1))) - 15 * 2048) >> 1);
+        // log2 0.35 and log2 1.2.
+        sigma.clamp(-3102, 539) as i16
+    }
+
+    fn width(q8: i32) -> i16 {
+        (q8.clamp(-512, 512) << 3) as i16
     }
 
     #[inline]
-    fn tap(panel: &Panel, width: u8, v: u16, pixel: i32) -> u16 {
-        let bits = u32::from(panel.frac_bits);
-        let centre = ((pixel + GUARD) << bits) + (1 << bits >> 1);
-        let distance = (i32::from(v) - centre).unsigned_abs() << (DISTANCE_BITS - bits);
-        TAPS.get(usize::from(width))
-            .and_then(|taps| taps.get((distance as usize).min(TAP_LEN)))
-            .copied()
-            .unwrap_or(0)
+    fn reach(width: i16) -> i32 {
+        // A sample lies up to half a pixel from its pixel's centre.
+        ((reach(width) as i32 + (3 << DISTANCE_BITS >> 1) - 1) >> DISTANCE_BITS).min(REACH)
+    }
+
+    #[inline]
+    fn taps(panel: &Panel, width: i16, v: u16, pixel: i32, taps: &mut [u16]) {
+        let reach = reach(width);
+        // log2(e)/2σ² with 12 fractional bits; log2 of log2(e)/2 is −965.
+        let steepness = exp2(-965 - 2 * i32::from(width), 12);
+        for (tap, pixel) in taps.iter_mut().zip(pixel..) {
+            let d = distance(panel, v, pixel).unsigned_abs();
+            *tap = if d < reach {
+                // Below 4.5·log2(e) with 16 + 12 fractional bits.
+                exp2_negative((d * d * steepness) >> 16) as u16
+            } else {
+                0
+            };
+        }
     }
 
     #[inline]
@@ -212,13 +242,12 @@ impl Arith for Fixed {
         at: (u16, u16),
         pixel: (i32, i32),
     ) {
-        let bits = u32::from(panel.frac_bits);
-        let distance = |v: u16, pixel: i32| {
-            (i32::from(v) - ((pixel + GUARD) << bits) - (1 << bits >> 1)) << (DISTANCE_BITS - bits)
-        };
-        let (x, y) = (distance(at.0, pixel.0), distance(at.1, pixel.1));
+        let (x, y) = (
+            distance(panel, at.0, pixel.0),
+            distance(panel, at.1, pixel.1),
+        );
         let w = i32::from(weight);
-        // |x| < 2^9 within a footprint: w·x < 2^24, w·x² < 2^33, w·x·light < 2^40.
+        // |x| < 2^11 within a footprint: w·x < 2^26, w·x² < 2^37, w·x·light < 2^42.
         let (wx, wy) = (i64::from(w * x), i64::from(w * y));
         moments[0] += wx;
         moments[1] += wy;
@@ -252,11 +281,11 @@ impl Arith for Fixed {
         // Means: lights with 15 fractional bits; x, y in px with 20; squares in px² with 20.
         let mean = |v: i64, bits: i32| i64::from(divider.ratio(v, bits));
         let c: [i64; 3] = [1, 2, 3].map(|k| mean(sums[k], 16));
-        // |x| < 2^9 in 1/128 px: 22 + 7 fractional bits of a pixel.
-        let x = mean(moments[0], 9) >> 9;
-        let y = mean(moments[1], 9) >> 9;
-        // |x²| < 2^18 in 2^−14 px²: 13 + 14 fractional bits.
-        let square = |k: usize| mean(moments[k], 18) >> 7;
+        // |x| < 2^11 in 1/256 px: 20 + 8 fractional bits of a pixel.
+        let x = mean(moments[0], 11) >> 8;
+        let y = mean(moments[1], 11) >> 8;
+        // |x²| < 2^22 in 2^−16 px²: 9 + 16 fractional bits.
+        let square = |k: usize| mean(moments[k], 22) >> 5;
         let xx = square(2) - ((x * x) >> 20) + RIDGE;
         let xy = square(3) - ((x * y) >> 20);
         let yy = square(4) - ((y * y) >> 20) + RIDGE;
@@ -268,12 +297,15 @@ impl Arith for Fixed {
         let hx = i64::from(by.ratio((yy * x - xy * y) >> 12, -4)) >> 11;
         let hy = i64::from(by.ratio((xx * y - xy * x) >> 12, -4)) >> 11;
         let light = [0, 1, 2].map(|k| {
-            // |x·light| < 2^25 in 1/128 px: 6 + 7 fractional bits, as light·px with 13.
-            let cx = mean(moments[5 + k], 25) - ((c[k] * x) >> 22);
-            let cy = mean(moments[8 + k], 25) - ((c[k] * y) >> 22);
-            to_light(c[k] - ((cx * hx + cy * hy) >> 10))
+            // |x·light| < 2^27 in 1/256 px: 4 + 8 fractional bits, as light·px with 12.
+            let cx = mean(moments[5 + k], 27) - ((c[k] * x) >> 23);
+            let cy = mean(moments[8 + k], 27) - ((c[k] * y) >> 23);
+            to_light(c[k] - ((cx * hx + cy * hy) >> 9))
         });
-        Texel { light, confidence: confidence(sums[0]) }
+        Texel {
+            light,
+            confidence: confidence(sums[0]),
+        }
     }
 
     #[inline]
@@ -290,7 +322,10 @@ impl Arith for Fixed {
                 .sum();
             to_light(i64::from(divider.ratio(sum as i64, 16)))
         });
-        Texel { light, confidence: total.min(ONE) as u16 }
+        Texel {
+            light,
+            confidence: total.min(ONE) as u16,
+        }
     }
 
     #[inline]
@@ -308,12 +343,22 @@ impl Arith for Fixed {
             let around = (around + 8) >> 4;
             ((own * u32::from(fine.light[c]) + (ONE - own) * around + (ONE >> 1)) >> 15) as u16
         });
-        Texel { light, confidence: ONE as u16 }
+        Texel {
+            light,
+            confidence: ONE as u16,
+        }
     }
 
     fn to_u16(light: u16) -> u16 {
         light
     }
+}
+
+/// 3 σ in units of a distance, below [`REACH`] pixels.
+#[inline]
+fn reach(width: i16) -> u32 {
+    // log2 3 is 3246.
+    exp2(i32::from(width) + 3246, DISTANCE_BITS as i32).min((REACH as u32) << DISTANCE_BITS)
 }
 
 /// A light of 15 fractional bits, rounded and clamped.

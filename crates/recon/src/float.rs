@@ -2,10 +2,9 @@
 //!
 //! Nothing of this decides the deployed picture; it may use library functions.
 
-use crate::arith::{Arith, GUARD, Moments, Panel, Sums, Texel};
+use crate::arith::{Arith, GUARD, Moments, Panel, REACH, Sums, Texel};
 use crate::config::TimeKernel;
 use crate::extents;
-use crate::tables::{SIGMA_FIRST, SIGMA_STEP, SIGMAS};
 use crate::tiles::{CELL, Cell, TileMap};
 use unframed_wire::{LogCode, Pose, View};
 
@@ -24,6 +23,7 @@ macro_rules! float_arith {
             type Weight = $float;
             type Mass = $float;
             type Log = $float;
+            type Width = $float;
             type Sum = $float;
             type Light = $float;
             type Confidence = $float;
@@ -37,7 +37,9 @@ macro_rules! float_arith {
                 let row = |k: usize, j: usize| view.rows[k][j] as $float * view_unit;
                 let matrix = core::array::from_fn(|k| {
                     core::array::from_fn(|i| {
-                        (0..3).map(|j| row(k, j) * (pose.matrix[j][i] as $float * pose_unit)).sum()
+                        (0..3)
+                            .map(|j| row(k, j) * (pose.matrix[j][i] as $float * pose_unit))
+                            .sum()
                     })
                 });
                 let offset = core::array::from_fn(|k| {
@@ -97,7 +99,12 @@ macro_rules! float_arith {
                 <$float>::from(q8) / 256.0
             }
 
-            fn extents(map: &TileMap<'_>, _: &Panel, x: $float, y: $float) -> ($float, u8, u8) {
+            fn extents(
+                map: &TileMap<'_>,
+                _: &Panel,
+                x: $float,
+                y: $float,
+            ) -> ($float, $float, $float) {
                 let (cells, fx, fy) = around(map, x as f64, y as f64);
                 let log = |of: fn(&Cell) -> LogCode| {
                     libm::round(bilinear(&cells, fx, fy, of) * 256.0) as i32
@@ -108,8 +115,8 @@ macro_rules! float_arith {
                     log(|cell| cell.gt),
                     log(|cell| cell.density),
                 );
-                let widths = (extents::width_of_extent(ex), extents::width_of_extent(ey));
-                (et as $float / 256.0, widths.0, widths.1)
+                let width = |extent| Self::width(extents::sigma_of_extent(extent));
+                (et as $float / 256.0, width(ex), width(ey))
             }
 
             fn decline(kernel: TimeKernel, age: u32, lifetime: $float) -> $float {
@@ -138,20 +145,34 @@ macro_rules! float_arith {
                 a + b
             }
 
-            fn width_of(mass: $float) -> u8 {
-                let mass = if mass < 1.0 / 256.0 { 1.0 / 256.0 } else { mass };
-                let sigma = $log2(2.75) - 0.5 * $log2(mass);
-                extents::width_of_log2(libm::round(sigma as f64 * 256.0) as i32).min(
-                    extents::width_of_log2(67),
-                )
+            fn width_of(mass: $float) -> $float {
+                let mass = if mass < 1.0 / 32768.0 {
+                    1.0 / 32768.0
+                } else {
+                    mass
+                };
+                ($log2(2.75) - 0.5 * $log2(mass)).clamp($log2(0.35), $log2(1.2))
             }
 
-            fn tap(_: &Panel, width: u8, v: $float, pixel: i32) -> $float {
-                let sigma = SIGMA_FIRST + SIGMA_STEP * i32::from(width).min(SIGMAS as i32 - 1);
-                let sigma = $exp2(sigma as $float / 256.0);
-                let d = v - (pixel + GUARD) as $float - 0.5;
-                let tap = $exp(-0.5 * (d / sigma) * (d / sigma));
-                if tap < 364.0 / 32768.0 || d.abs() >= 4.0 { 0.0 } else { tap }
+            fn width(q8: i32) -> $float {
+                q8.clamp(-512, 512) as $float / 256.0
+            }
+
+            fn reach(width: $float) -> i32 {
+                ($floor($exp2(width) * 3.0 + 1.5) as i32).min(REACH)
+            }
+
+            fn taps(_: &Panel, width: $float, v: $float, pixel: i32, taps: &mut [$float]) {
+                let sigma = $exp2(width);
+                for (tap, pixel) in taps.iter_mut().zip(pixel..) {
+                    let d = (v - (pixel + GUARD) as $float - 0.5).abs();
+                    let inside = d < 3.0 * sigma && d < REACH as $float;
+                    *tap = if inside {
+                        $exp(-0.5 * (d / sigma) * (d / sigma))
+                    } else {
+                        0.0
+                    };
+                }
             }
 
             fn times(a: $float, b: $float) -> $float {
@@ -210,12 +231,18 @@ macro_rules! float_arith {
                 let (x, y) = (m[0], m[1]);
                 let (xx, xy, yy) = (m[2] - x * x + ridge, m[3] - x * y, m[4] - y * y + ridge);
                 let determinant = xx * yy - xy * xy;
-                let (hx, hy) = ((yy * x - xy * y) / determinant, (xx * y - xy * x) / determinant);
+                let (hx, hy) = (
+                    (yy * x - xy * y) / determinant,
+                    (xx * y - xy * x) / determinant,
+                );
                 let light = [0, 1, 2].map(|k| {
                     let (cx, cy) = (m[5 + k] - c[k] * x, m[8 + k] - c[k] * y);
                     (c[k] - cx * hx - cy * hy).clamp(0.0, 65535.0)
                 });
-                Texel { light, confidence: (sums[0] / 0.3).min(1.0) }
+                Texel {
+                    light,
+                    confidence: (sums[0] / 0.3).min(1.0),
+                }
             }
 
             fn pull(children: [Texel<Self>; 4]) -> Texel<Self> {
@@ -224,9 +251,16 @@ macro_rules! float_arith {
                     return Texel::default();
                 }
                 let light = [0, 1, 2].map(|c| {
-                    children.iter().map(|t| t.light[c] * t.confidence).sum::<$float>() / total
+                    children
+                        .iter()
+                        .map(|t| t.light[c] * t.confidence)
+                        .sum::<$float>()
+                        / total
                 });
-                Texel { light, confidence: total.min(1.0) }
+                Texel {
+                    light,
+                    confidence: total.min(1.0),
+                }
             }
 
             fn push(fine: Texel<Self>, coarse: [Texel<Self>; 4]) -> Texel<Self> {
@@ -235,11 +269,17 @@ macro_rules! float_arith {
                     return fine;
                 }
                 let light = [0, 1, 2].map(|c| {
-                    let around: $float =
-                        coarse.iter().zip([9.0, 3.0, 3.0, 1.0]).map(|(t, w)| t.light[c] * w).sum();
+                    let around: $float = coarse
+                        .iter()
+                        .zip([9.0, 3.0, 3.0, 1.0])
+                        .map(|(t, w)| t.light[c] * w)
+                        .sum();
                     own * fine.light[c] + (1.0 - own) * around / 16.0
                 });
-                Texel { light, confidence: 1.0 }
+                Texel {
+                    light,
+                    confidence: 1.0,
+                }
             }
 
             fn to_u16(light: $float) -> u16 {
@@ -255,7 +295,10 @@ float_arith!(f32, libm::exp2f, libm::log2f, libm::expf, libm::floorf);
 /// The four cells around a place and the way between their centres, 0..1.
 fn around(map: &TileMap<'_>, x: f64, y: f64) -> ([Cell; 4], f64, f64) {
     let cell = CELL as f64;
-    let (u, v) = ((x - f64::from(GUARD)) / cell - 0.5, (y - f64::from(GUARD)) / cell - 0.5);
+    let (u, v) = (
+        (x - f64::from(GUARD)) / cell - 0.5,
+        (y - f64::from(GUARD)) / cell - 0.5,
+    );
     let (column, row) = (libm::floor(u), libm::floor(v));
     (map.around(column as i32, row as i32), u - column, v - row)
 }

@@ -52,18 +52,14 @@ fn top_three<D: PartialOrd + Copy>(values: [D; 9]) -> [D; 3] {
 }
 
 /// Nearest depth of each pixel: the first level of `minima`.
-pub fn nearest<A: Arith>(
-    panel: &Panel,
-    projected: &[Projected<A>],
-    minima: &mut [A::Depth],
-) {
+pub fn nearest<A: Arith>(panel: &Panel, projected: &[Projected<A>], minima: &mut [A::Depth]) {
     let pixels = panel.pixels();
     if let Some(level) = minima.get_mut(..pixels) {
         level.fill(A::FAR);
         for sample in projected.iter().filter(|s| A::counts(s.weight)) {
             let (x, y) = (A::pixel(panel, sample.x), A::pixel(panel, sample.y));
-            let inside =
-                (0..i32::from(panel.width)).contains(&x) && (0..i32::from(panel.height)).contains(&y);
+            let inside = (0..i32::from(panel.width)).contains(&x)
+                && (0..i32::from(panel.height)).contains(&y);
             if !inside {
                 continue;
             }
@@ -99,18 +95,34 @@ pub fn limits<A: Arith>(panel: &Panel, minima: &mut [A::Depth], limits: &mut [A:
     each(fine, width, height, 1, limits, width, |around, limit| {
         *limit = A::behind(top_three(around)[0], 1);
     });
-    each(halves, width.div_ceil(2), height.div_ceil(2), 2, limits, width, |around, limit| {
-        let other = A::behind(top_three(around)[1], 2);
-        if other < *limit {
-            *limit = other;
-        }
-    });
-    each(blocks, width.div_ceil(32), height.div_ceil(32), 32, limits, width, |around, limit| {
-        let other = A::behind(top_three(around)[2], 32);
-        if other < *limit {
-            *limit = other;
-        }
-    });
+    each(
+        halves,
+        width.div_ceil(2),
+        height.div_ceil(2),
+        2,
+        limits,
+        width,
+        |around, limit| {
+            let other = A::behind(top_three(around)[1], 2);
+            if other < *limit {
+                *limit = other;
+            }
+        },
+    );
+    each(
+        blocks,
+        width.div_ceil(32),
+        height.div_ceil(32),
+        32,
+        limits,
+        width,
+        |around, limit| {
+            let other = A::behind(top_three(around)[2], 32);
+            if other < *limit {
+                *limit = other;
+            }
+        },
+    );
 }
 
 /// Calls `apply` for each pixel with the 3 × 3 cells around its cell, clamped at borders.
@@ -127,7 +139,11 @@ fn each<D: Copy>(
         let lines = [row.saturating_sub(1), row, (row + 1).min(rows - 1)]
             .map(|r| &cells[r * columns..][..columns]);
         for column in 0..columns {
-            let near = [column.saturating_sub(1), column, (column + 1).min(columns - 1)];
+            let near = [
+                column.saturating_sub(1),
+                column,
+                (column + 1).min(columns - 1),
+            ];
             let around = core::array::from_fn(|i| lines[i / 3][near[i % 3]]);
             for y in row * side..((row + 1) * side).min(limits.len() / width) {
                 let line = &mut limits[y * width..][..width];

@@ -11,7 +11,7 @@
 //! | what arithmetic is, in integers and in floats | [`arith`], [`fixed`], `float` |
 //! | what is kept | [`deep`], [`tiles`], [`memory`], `heap` |
 //! | the steps of a refresh | [`transform`], [`hidden`], [`extents`], [`splat`], [`solve`], [`fill`] |
-//! | all together | [`config`], [`display`], [`scanout`] |
+//! | all together | [`config`], [`display`], [`player`], [`scanout`] |
 //!
 //! Nothing here panics on any input: packets are checked on arrival (`transform::*_is_sound`),
 //! indices are looked up, sums are bounded (`docs/NUMERICS.md`).
@@ -36,6 +36,7 @@ pub mod heap;
 pub mod hidden;
 pub mod memory;
 pub mod num;
+pub mod player;
 pub mod scanout;
 pub mod solve;
 pub mod splat;
@@ -47,3 +48,4 @@ pub use arith::{Arith, Panel};
 pub use config::Config;
 pub use display::Display;
 pub use fixed::Fixed;
+pub use player::{Player, frame_hash};

@@ -5,9 +5,9 @@
 //! | what | bytes |
 //! |---|---|
 //! | deep buffer | 16 N |
-//! | projected samples | 10 N |
+//! | projected samples | 12 N |
 //! | minima and limits | 2 (2.25 + 1/1024) W H |
-//! | masses and widths | 5 W H |
+//! | masses and widths | 6 W H |
 //! | sums | 32 W H, and 88 W H more for planes |
 //! | texels with their pyramid | 8 · 4/3 W H |
 //! | picture | 3 W H |
@@ -32,7 +32,10 @@ pub struct Slot<A: Arith> {
 
 impl<A: Arith> Default for Slot<A> {
     fn default() -> Self {
-        Self { pose: None, transform: None }
+        Self {
+            pose: None,
+            transform: None,
+        }
     }
 }
 
@@ -76,7 +79,7 @@ pub struct Memory<'a, A: Arith> {
     /// See [`Needs::pixels`].
     pub mass: &'a mut [A::Mass],
     /// See [`Needs::pixels`].
-    pub widths: &'a mut [u8],
+    pub widths: &'a mut [A::Width],
     /// See [`Needs::pixels`].
     pub sums: &'a mut [Sums<A>],
     /// See [`Needs::pixels`]; empty where no planes are fitted.
@@ -113,10 +116,17 @@ impl core::fmt::Display for SetupError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Panel => {
-                write!(f, "a panel's width and height must be 1 to {} pixels", Panel::LIMIT)
+                write!(
+                    f,
+                    "a panel's width and height must be 1 to {} pixels",
+                    Panel::LIMIT
+                )
             }
             Self::Short { slice, needs, has } => {
-                write!(f, "display memory: `{slice}` has {has} entries and needs {needs}")
+                write!(
+                    f,
+                    "display memory: `{slice}` has {has} entries and needs {needs}"
+                )
             }
         }
     }
@@ -138,7 +148,11 @@ impl<A: Arith> Memory<'_, A> {
             ("mass", needs.pixels, self.mass.len()),
             ("widths", needs.pixels, self.widths.len()),
             ("sums", needs.pixels, self.sums.len()),
-            ("moments", if planes { needs.pixels } else { 0 }, self.moments.len()),
+            (
+                "moments",
+                if planes { needs.pixels } else { 0 },
+                self.moments.len(),
+            ),
             ("texels", needs.pixels, self.texels.len()),
             ("pyramid", needs.pyramid, self.pyramid.len()),
             ("cells", needs.cells, self.cells.len()),
@@ -174,7 +188,7 @@ pub struct Storage<
     minima: [A::Depth; M],
     limits: [A::Depth; P],
     mass: [A::Mass; P],
-    widths: [u8; P],
+    widths: [A::Width; P],
     sums: [Sums<A>; P],
     moments: [Moments<A>; L],
     texels: [Texel<A>; P],
@@ -233,7 +247,7 @@ impl<
             minima: [A::Depth::default(); M],
             limits: [A::Depth::default(); P],
             mass: [A::Mass::default(); P],
-            widths: [0; P],
+            widths: [A::Width::default(); P],
             sums: [Sums::<A>::default(); P],
             moments: [Moments::<A>::default(); L],
             texels: [Texel::default(); P],

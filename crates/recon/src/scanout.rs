@@ -20,7 +20,10 @@ where
 {
     let (width, height) = display.size();
     let area = Rectangle::new(Point::zero(), Size::new(width.into(), height.into()));
-    let colours = display.picture().iter().map(|[r, g, b]| Rgb888::new(*r, *g, *b).into());
+    let colours = display
+        .picture()
+        .iter()
+        .map(|[r, g, b]| Rgb888::new(*r, *g, *b).into());
     target.fill_contiguous(&area, colours)
 }
 

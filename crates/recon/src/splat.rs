@@ -18,7 +18,7 @@ pub fn masses<A: Arith>(panel: &Panel, projected: &[Projected<A>], mass: &mut [A
 
 /// The filter width of each pixel, from the mass in the 5 × 5 pixels around. `mass` is used up:
 /// it ends as sums over 5 pixels along rows.
-pub fn widths<A: Arith>(panel: &Panel, mass: &mut [A::Mass], widths: &mut [u8]) {
+pub fn widths<A: Arith>(panel: &Panel, mass: &mut [A::Mass], widths: &mut [A::Width]) {
     let width = usize::from(panel.width);
     for line in mass.chunks_exact_mut(width) {
         // The two values before x are overwritten by the time they are needed: keep them.
@@ -82,30 +82,25 @@ fn splat<A: Arith>(
     target: &mut Target<'_, A>,
 ) {
     let (x, y) = (A::pixel(panel, at.x), A::pixel(panel, at.y));
-    let reach = |width: u8| {
-        let reach = crate::tables::REACH.get(usize::from(width)).copied().unwrap_or(0);
-        // A sample lies anywhere in its pixel: half a pixel from the centre at most.
-        (i32::from(reach) + 64 + 127) / 128
-    };
-    let (reach_x, reach_y) = (reach(at.widths[0]).min(REACH), reach(at.widths[1]).min(REACH));
+    let (reach_x, reach_y) = (A::reach(at.widths[0]), A::reach(at.widths[1]));
     let left = (x - reach_x).max(0);
     let right = (x + reach_x).min(i32::from(panel.width) - 1);
     if left > right {
         return;
     }
-    let mut taps = [A::Weight::default(); 2 * REACH as usize + 1];
-    for (tap, pixel) in taps.iter_mut().zip(left..=right) {
-        *tap = A::tap(panel, at.widths[0], at.x, pixel);
-    }
     let top = (y - reach_y).max(0);
     let bottom = (y + reach_y).min(i32::from(panel.height) - 1);
-    for row in top..=bottom {
-        let down = A::times(at.weight, A::tap(panel, at.widths[1], at.y, row));
+    let mut across = [A::Weight::default(); 2 * REACH as usize + 1];
+    let mut down = across;
+    A::taps(panel, at.widths[0], at.x, left, &mut across);
+    A::taps(panel, at.widths[1], at.y, top, &mut down);
+    for (tap, row) in down.iter().zip(top..=bottom) {
+        let down = A::times(at.weight, *tap);
         if !A::counts(down) {
             continue;
         }
         let line = row as usize * usize::from(panel.width);
-        for (tap, column) in taps.iter().zip(left..=right) {
+        for (tap, column) in across.iter().zip(left..=right) {
             let weight = A::times(down, *tap);
             if !A::counts(weight) {
                 continue;

@@ -100,47 +100,13 @@ pub static TIME: [[u16; TIME_LEN]; TIME_KERNELS] = {
     table
 };
 
-/// Number of filter widths.
-pub const SIGMAS: usize = 32;
-/// log2 of the narrowest width, pixels, with 8 fractional bits: 0.35 px.
-pub const SIGMA_FIRST: i32 = -388;
-/// Step of log2 between widths, with 8 fractional bits: 1/8 octave, so the widest is 5.1 px.
-pub const SIGMA_STEP: i32 = 32;
-/// Distances a width in [`TAPS`], 1/128 pixel each: footprints reach to 4 pixels.
-pub const TAP_LEN: usize = 512;
-/// Tap weights below this (15 fractional bits; e^(−4.5), 3 σ) are cut to zero.
-const TAP_FLOOR: f64 = 364.0;
-
-/// Gaussian e^(−d²/2σ²) with 15 fractional bits, for each width and distance in 1/128 pixel; zero
-/// beyond 3 σ and beyond 4 pixels.
-pub static TAPS: [[u16; TAP_LEN]; SIGMAS] = {
-    let mut table = [[0; TAP_LEN]; SIGMAS];
-    let mut s = 0;
-    while s < SIGMAS {
-        let sigma = exp((SIGMA_FIRST + SIGMA_STEP * s as i32) as f64 / 256.0 * LN_2);
-        let mut d = 0;
-        while d < TAP_LEN {
-            let x = d as f64 / 128.0 / sigma;
-            let tap = if x > 4.0 { 0.0 } else { 32768.0 * exp(-0.5 * x * x) };
-            table[s][d] = if tap < TAP_FLOOR { 0 } else { (tap + 0.5) as u16 };
-            d += 1;
-        }
-        s += 1;
-    }
-    table
-};
-
-/// Reach of each width: the first distance, 1/128 pixel, from which every tap is zero.
-pub static REACH: [u16; SIGMAS] = {
-    let mut table = [0; SIGMAS];
-    let mut s = 0;
-    while s < SIGMAS {
-        let mut d = 0;
-        while d < TAP_LEN && TAPS[s][d] != 0 {
-            d += 1;
-        }
-        table[s] = d as u16;
-        s += 1;
+/// 2^(−i/256) with 15 fractional bits.
+pub static EXP2_Q15: [u16; 257] = {
+    let mut table = [0; 257];
+    let mut i = 0;
+    while i < 257 {
+        table[i] = (32768.0 * exp(-(i as f64) / 256.0 * LN_2) + 0.5) as u16;
+        i += 1;
     }
     table
 };
@@ -151,7 +117,11 @@ pub static SRGB_TO_LINEAR: [u16; 256] = {
     let mut c = 0;
     while c < 256 {
         let v = c as f64 / 255.0;
-        let light = if v <= 0.04045 { v / 12.92 } else { exp(2.4 * ln((v + 0.055) / 1.055)) };
+        let light = if v <= 0.04045 {
+            v / 12.92
+        } else {
+            exp(2.4 * ln((v + 0.055) / 1.055))
+        };
         table[c] = (light * 65535.0 + 0.5) as u16;
         c += 1;
     }
@@ -165,10 +135,18 @@ static SRGB_FROM: [u16; 256] = {
     let mut c = 1;
     while c < 256 {
         let v = (c as f64 - 0.5) / 255.0;
-        let light = if v <= 0.04045 { v / 12.92 } else { exp(2.4 * ln((v + 0.055) / 1.055)) };
+        let light = if v <= 0.04045 {
+            v / 12.92
+        } else {
+            exp(2.4 * ln((v + 0.055) / 1.055))
+        };
         let exact = light * 65535.0;
         let floor = exact as u16;
-        table[c] = if exact > floor as f64 { floor + 1 } else { floor };
+        table[c] = if exact > floor as f64 {
+            floor + 1
+        } else {
+            floor
+        };
         c += 1;
     }
     table
@@ -212,18 +190,17 @@ mod tests {
         }
         for i in 0..TIME_LEN {
             let u = (f64::from(TIME_FIRST + i as i32) / 256.0).exp2();
-            let exact = [1.0 / (1.0 + u * u + u.powi(4)), (-0.5 * u * u).exp(), (-u).exp()];
+            let exact = [
+                1.0 / (1.0 + u * u + u.powi(4)),
+                (-0.5 * u * u).exp(),
+                (-u).exp(),
+            ];
             for (row, exact) in TIME.iter().zip(exact) {
                 assert!((f64::from(row[i]) - exact * 32768.0).abs() <= 0.51, "{i}");
             }
         }
-        for s in 0..SIGMAS {
-            let sigma = (f64::from(SIGMA_FIRST + SIGMA_STEP * s as i32) / 256.0).exp2();
-            for d in 0..TAP_LEN {
-                let exact = 32768.0 * (-0.5 * (d as f64 / 128.0 / sigma).powi(2)).exp();
-                let exact = if exact < TAP_FLOOR { 0.0 } else { exact };
-                assert!((f64::from(TAPS[s][d]) - exact).abs() <= 0.51, "{s} {d}");
-            }
+        for (i, &v) in EXP2_Q15.iter().enumerate() {
+            assert!((f64::from(v) - 32768.0 * (-(i as f64) / 256.0).exp2()).abs() <= 0.501);
         }
     }
 
@@ -231,8 +208,11 @@ mod tests {
     fn srgb_is_exact_and_round_trips() {
         for light in 0..=u16::MAX {
             let v = f64::from(light) / 65535.0;
-            let code =
-                if v <= 0.0031308 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 } * 255.0;
+            let code = if v <= 0.0031308 {
+                12.92 * v
+            } else {
+                1.055 * v.powf(1.0 / 2.4) - 0.055
+            } * 255.0;
             let got = f64::from(linear_to_srgb(light));
             assert!((got - code).abs() <= 0.5001, "{light}: {got} for {code}");
         }

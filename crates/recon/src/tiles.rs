@@ -58,7 +58,11 @@ impl<'a> TileMap<'a> {
         let (columns, rows) = (cells_along(width), cells_along(height));
         let cells = cells.get_mut(..columns * rows)?;
         cells.fill(Cell::default());
-        Some(Self { cells, columns, rows })
+        Some(Self {
+            cells,
+            columns,
+            rows,
+        })
     }
 
     /// Forgets all tiles.
@@ -77,8 +81,10 @@ impl<'a> TileMap<'a> {
         };
         let columns = centres(tile.rect.x, tile.rect.w, self.columns);
         for row in centres(tile.rect.y, tile.rect.h, self.rows) {
-            if let Some(cells) =
-                self.cells.get_mut(row * self.columns..).and_then(|r| r.get_mut(columns.clone()))
+            if let Some(cells) = self
+                .cells
+                .get_mut(row * self.columns..)
+                .and_then(|r| r.get_mut(columns.clone()))
             {
                 cells.fill(cell);
             }
@@ -91,7 +97,10 @@ impl<'a> TileMap<'a> {
     pub fn at(&self, column: i32, row: i32) -> Cell {
         let column = column.clamp(0, self.columns as i32 - 1) as usize;
         let row = row.clamp(0, self.rows as i32 - 1) as usize;
-        self.cells.get(row * self.columns + column).copied().unwrap_or_default()
+        self.cells
+            .get(row * self.columns + column)
+            .copied()
+            .unwrap_or_default()
     }
 
     /// The four cells around, for bilinear interpolation.
@@ -122,7 +131,11 @@ mod tests {
     use unframed_wire::Rect;
 
     fn tile(x: u16, y: u16, w: u16, h: u16, code: u8) -> Tile {
-        Tile { rect: Rect { x, y, w, h }, lifetime: LogCode(code), ..Tile::default() }
+        Tile {
+            rect: Rect { x, y, w, h },
+            lifetime: LogCode(code),
+            ..Tile::default()
+        }
     }
 
     #[test]

@@ -74,7 +74,9 @@ impl Transform {
             farthest = farthest.max(offset[k].unsigned_abs());
         }
         let frac = i32::from(pose.frac_bits);
-        let narrow = (exponent(largest) - 29).max(exponent(farthest) + frac - 48).max(0);
+        let narrow = (exponent(largest) - 29)
+            .max(exponent(farthest) + frac - 48)
+            .max(0);
         Self {
             matrix: wide.map(|row| row.map(|v| rounded(v, narrow) as i32)),
             offset: offset.map(|v| shift(v, frac - narrow)),
@@ -98,7 +100,11 @@ impl Transform {
 
 /// `v / 2^by`, rounded to nearest.
 fn rounded(v: i64, by: i32) -> i64 {
-    if by == 0 { v } else { (shift(v, 1 - by) + 1) >> 1 }
+    if by == 0 {
+        v
+    } else {
+        (shift(v, 1 - by) + 1) >> 1
+    }
 }
 
 #[cfg(test)]

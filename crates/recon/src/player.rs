@@ -1,0 +1,74 @@
+//! Bytes in, pictures out: a receiver and a display.
+
+use crate::arith::Arith;
+use crate::display::Display;
+use unframed_wire::{Receiver, Refresh, Status, Tick};
+
+/// A display at the end of a link.
+#[derive(Debug)]
+pub struct Player<'a, A: Arith> {
+    receiver: Receiver,
+    display: Display<'a, A>,
+    newest: Tick,
+}
+
+impl<'a, A: Arith> Player<'a, A> {
+    /// A display that has received nothing yet.
+    #[must_use]
+    pub fn new(display: Display<'a, A>) -> Self {
+        Self {
+            receiver: Receiver::new(),
+            display,
+            newest: Tick(0),
+        }
+    }
+
+    /// Takes bytes off the front of `input` up to the end of the next Refresh, makes its picture
+    /// and hands the Refresh back; `None` when the input is used up. Call until `None`.
+    pub fn push(&mut self, input: &mut &[u8]) -> Option<Refresh> {
+        while let Some(packet) = self.receiver.push(input) {
+            if let Some(refresh) = self.display.receive(packet) {
+                self.newest = refresh.time;
+                return Some(refresh);
+            }
+        }
+        None
+    }
+
+    /// The display.
+    #[must_use]
+    pub fn display(&self) -> &Display<'a, A> {
+        &self.display
+    }
+
+    /// What went through the link.
+    #[must_use]
+    pub fn receiver(&self) -> &Receiver {
+        &self.receiver
+    }
+
+    /// The report to the host; counts saturate.
+    #[must_use]
+    pub fn status(&self) -> Status {
+        let counters = self.receiver.counters();
+        let narrow = |v: u64| u32::try_from(v).unwrap_or(u32::MAX);
+        Status {
+            refresh_time: self.newest,
+            received: narrow(counters.received),
+            lost: narrow(counters.lost),
+            damaged: narrow(counters.damaged),
+            buffered: narrow(self.display.buffered() as u64),
+        }
+    }
+}
+
+/// A hash of a picture (64-bit FNV-1a over R, G, B row by row): equal on every machine.
+#[must_use]
+pub fn frame_hash(picture: &[[u8; 3]]) -> u64 {
+    picture
+        .iter()
+        .flatten()
+        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+            (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
+        })
+}

@@ -1,0 +1,175 @@
+//! The host at work: simulated time, a sampler looking, a sender sending.
+
+use glam::{Affine3A, Vec2, Vec3};
+use unframed_wire::{End, Hello, Status, ledger::Ledger};
+
+use crate::sampler::{Eye, Node, Sampler, Shot, Span};
+use crate::stream::sender::Promise;
+use crate::stream::{Sender, StreamError};
+use crate::trace::camera::Camera;
+use crate::trace::{Hit, Rays, World};
+
+/// Samplers see the scene through this.
+struct WorldEye<'a>(&'a World);
+
+impl Eye for WorldEye<'_> {
+    fn camera(&self, time: f64) -> Camera {
+        self.0.camera(time)
+    }
+
+    fn pose(&self, object: u8, time: f64) -> Affine3A {
+        self.0.pose(object, time)
+    }
+
+    fn look(&self, time: f64, pixel: Vec2, seed: u32) -> Hit {
+        self.0.moment(time).look(pixel, seed)
+    }
+
+    fn look_along(&self, time: f64, direction: Vec3, seed: u32) -> Hit {
+        self.0.moment(time).look_along(direction, seed)
+    }
+}
+
+/// What happened up to a refresh.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Progress {
+    /// The refresh, counted from 0.
+    pub index: u32,
+    /// Its instant, seconds.
+    pub time: f64,
+    /// Samples sent since the last.
+    pub samples: usize,
+    /// Rays traced since the last.
+    pub rays: Rays,
+    /// Whether the sampler announced a cut.
+    pub cut: bool,
+}
+
+/// A host: a world, a sampler, a stream.
+///
+/// Refresh `k` is that of the instant `(k + 1)·1000/refresh_millihertz` seconds; every sample
+/// costs 1/rate seconds.
+pub struct Host {
+    world: World,
+    sampler: Box<dyn Sampler>,
+    sender: Sender,
+    shots: Vec<Shot>,
+    tiles: Vec<Node>,
+    now: f64,
+    taken: u64,
+    index: u32,
+}
+
+impl std::fmt::Debug for Host {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Host").field("now", &self.now).field("taken", &self.taken).finish()
+    }
+}
+
+impl Host {
+    /// A host at time 0.
+    #[must_use]
+    pub fn new(world: World, sampler: Box<dyn Sampler>, promise: Promise) -> Self {
+        let sender = Sender::new(&world, promise);
+        Self {
+            world,
+            sampler,
+            sender,
+            shots: Vec::new(),
+            tiles: Vec::new(),
+            now: 0.0,
+            taken: 0,
+            index: 0,
+        }
+    }
+
+    /// The world that is looked at.
+    #[must_use]
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// What the stream announces.
+    #[must_use]
+    pub fn hello(&self) -> &Hello {
+        self.sender.hello()
+    }
+
+    /// Where the bytes went so far.
+    #[must_use]
+    pub fn ledger(&self) -> &Ledger {
+        self.sender.ledger()
+    }
+
+    /// The tiles of the last refresh, in preorder.
+    #[must_use]
+    pub fn tiles(&self) -> &[Node] {
+        &self.tiles
+    }
+
+    /// The samples since the refresh before, in the order of time.
+    #[must_use]
+    pub fn shots(&self) -> &[Shot] {
+        &self.shots
+    }
+
+    /// The instant of a refresh, seconds.
+    #[must_use]
+    pub fn instant(&self, index: u32) -> f64 {
+        (f64::from(index) + 1.0) * 1000.0 / f64::from(self.hello().refresh_millihertz)
+    }
+
+    /// Tells the sampler what the display reports.
+    pub fn status(&mut self, status: &Status) {
+        self.sampler.status(status);
+    }
+
+    /// Goes on to the next refresh and appends the bytes up to it to `out`.
+    ///
+    /// # Errors
+    /// When the stream cannot carry what the sampler gives.
+    pub fn advance(&mut self, out: &mut Vec<u8>) -> Result<Progress, StreamError> {
+        let (start, end) = (self.now, self.instant(self.index));
+        let pieces = ((end - start) / self.sampler.preferred_span()).round().max(1.0) as u32;
+        let mut progress = Progress { index: self.index, time: end, ..Progress::default() };
+        self.shots.clear();
+        for piece in 0..pieces {
+            let at = |piece| start + (end - start) * f64::from(piece) / f64::from(pieces);
+            let (t0, t1) = (at(piece), at(piece + 1));
+            let due = (t1 * f64::from(self.hello().rate)).round() as u64;
+            let shots = due.saturating_sub(self.taken) as usize;
+            self.taken = due;
+            let before = self.shots.len();
+            self.world.prepare(t0, t1);
+            self.sampler.epoch(Span { t0, t1, shots }, &WorldEye(&self.world), &mut self.shots);
+            if let Some(time) = self.sampler.take_cut() {
+                progress.cut = true;
+                self.sender.cut(time, out)?;
+                // What was seen before the cut is not worth sending any more.
+                let stale = self.shots[before..].partition_point(|shot| shot.time < time);
+                self.sender.samples(&self.shots[before + stale..], out)?;
+            } else {
+                self.sender.samples(&self.shots[before..], out)?;
+            }
+        }
+        self.sampler.tiles(&mut self.tiles);
+        self.sender.refresh(&self.world, end, &self.tiles, out)?;
+        for shot in &self.shots {
+            progress.rays.primary += shot.hit.rays.primary;
+            progress.rays.shadow += shot.hit.rays.shadow;
+            progress.rays.bounce += shot.hit.rays.bounce;
+        }
+        progress.samples = self.shots.len();
+        self.now = end;
+        self.index = self.index.wrapping_add(1);
+        Ok(progress)
+    }
+
+    /// Ends the stream.
+    ///
+    /// # Errors
+    /// None with a sound encoder.
+    pub fn end(&mut self, out: &mut Vec<u8>) -> Result<End, StreamError> {
+        self.sender.end(self.now, out)
+    }
+}

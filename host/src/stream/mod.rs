@@ -1,0 +1,7 @@
+//! The way out: samples, views, poses and tiles become bytes for the display.
+
+pub mod quantise;
+pub mod sender;
+
+pub use quantise::Quantiser;
+pub use sender::{Sender, StreamError};
