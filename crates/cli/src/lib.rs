@@ -1,0 +1,3 @@
+//! What the `unframed` command is made of.
+
+pub mod report;
