@@ -4,7 +4,9 @@
 //! down its −z (glTF 2.0 §3.4). Time is continuous: everything is a function of seconds.
 
 pub mod animate;
-pub mod gltf;
 pub mod builtin;
+pub mod calls;
+pub mod gltf;
 pub mod model;
+pub mod open;
 pub use model::*;

@@ -33,7 +33,13 @@ impl Source {
         };
         let normalised = accessor.normalized() && kind != DataType::F32;
         // The lowest signed integer is below −1 (§3.6.2.2).
-        let normalise = |x: f32| if normalised { (x / largest).max(-1.0) } else { x };
+        let normalise = |x: f32| {
+            if normalised {
+                (x / largest).max(-1.0)
+            } else {
+                x
+            }
+        };
         let component = |b: &[u8]| match kind {
             DataType::I8 => f32::from(b[0] as i8),
             DataType::U8 => f32::from(b[0]),
@@ -45,8 +51,14 @@ impl Source {
         let values = self.elements(accessor, size * N, place, [0.0; N], |bytes| {
             std::array::from_fn(|i| normalise(component(&bytes[i * size..])))
         })?;
-        match values.iter().position(|v: &[f32; N]| v.iter().any(|x| !x.is_finite())) {
-            Some(i) => Err(Fault::new(place, format!("element {i} is not a finite number"))),
+        match values
+            .iter()
+            .position(|v: &[f32; N]| v.iter().any(|x| !x.is_finite()))
+        {
+            Some(i) => Err(Fault::new(
+                place,
+                format!("element {i} is not a finite number"),
+            )),
             None => Ok(values),
         }
     }
@@ -63,7 +75,10 @@ impl Source {
         self.expect_components(accessor, N, place)?;
         let kind = accessor.data_type();
         if !matches!(kind, DataType::U8 | DataType::U16 | DataType::U32) {
-            return Err(Fault::new(place, format!("unsigned integers expected, {kind:?} found")));
+            return Err(Fault::new(
+                place,
+                format!("unsigned integers expected, {kind:?} found"),
+            ));
         }
         let size = component_size(kind);
         self.elements(accessor, size * N, place, [0; N], |bytes| {
@@ -85,7 +100,10 @@ impl Source {
         }
         Err(Fault::new(
             place,
-            format!("accessor {} is {found:?}, {n} components expected", accessor.index()),
+            format!(
+                "accessor {} is {found:?}, {n} components expected",
+                accessor.index()
+            ),
         ))
     }
 
@@ -101,9 +119,10 @@ impl Source {
         let place = format!("{place}, accessor {}", accessor.index());
         let count = accessor.count();
         let mut values = match accessor.view() {
-            Some(view) => {
-                self.rows(&view, accessor.offset(), count, size, &place)?.map(&decode).collect()
-            }
+            Some(view) => self
+                .rows(&view, accessor.offset(), count, size, &place)?
+                .map(&decode)
+                .collect(),
             None if count > MAX_SPARSE_COUNT => {
                 return Err(Fault::new(
                     place,
@@ -112,18 +131,34 @@ impl Source {
             }
             None => vec![zero; count],
         };
-        let Some(sparse) = accessor.sparse() else { return Ok(values) };
+        let Some(sparse) = accessor.sparse() else {
+            return Ok(values);
+        };
         let (indices, substitutes) = (sparse.indices(), sparse.values());
         let width = match indices.index_type() {
             IndexType::U8 => 1,
             IndexType::U16 => 2,
             IndexType::U32 => 4,
         };
-        let at = self.rows(&indices.view(), indices.offset(), sparse.count(), width, &place)?;
-        let from =
-            self.rows(&substitutes.view(), substitutes.offset(), sparse.count(), size, &place)?;
+        let at = self.rows(
+            &indices.view(),
+            indices.offset(),
+            sparse.count(),
+            width,
+            &place,
+        )?;
+        let from = self.rows(
+            &substitutes.view(),
+            substitutes.offset(),
+            sparse.count(),
+            size,
+            &place,
+        )?;
         for (index, bytes) in at.zip(from) {
-            let index = index.iter().rev().fold(0, |sum, &b| sum << 8 | usize::from(b));
+            let index = index
+                .iter()
+                .rev()
+                .fold(0, |sum, &b| sum << 8 | usize::from(b));
             let Some(slot) = values.get_mut(index) else {
                 let reason = format!("sparse index {index} of {count} elements");
                 return Err(Fault::new(place, reason));

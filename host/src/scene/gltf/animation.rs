@@ -18,7 +18,9 @@ use gltf::json::{self, validation::Checked};
 /// The names of a file's clips; those without one are called by their number.
 pub(super) fn names(source: &Source) -> Vec<String> {
     let clips = source.document.as_json().animations.iter().enumerate();
-    clips.map(|(i, clip)| clip.name.clone().unwrap_or_else(|| i.to_string())).collect()
+    clips
+        .map(|(i, clip)| clip.name.clone().unwrap_or_else(|| i.to_string()))
+        .collect()
 }
 
 /// Loads the clip `only`, or all that can play together.
@@ -38,9 +40,12 @@ pub(super) fn load(
         let at = place("animation", index, clip.name.as_deref());
         let channels = load_clip(source, clip, nodes, &at, warnings)?;
         let (moving, still): (Vec<_>, Vec<_>) = channels.into_iter().partition(moves);
-        let collision = moving
-            .iter()
-            .find_map(|c| playing.iter().position(|p| target(p) == target(c)).map(|p| (c, p)));
+        let collision = moving.iter().find_map(|c| {
+            playing
+                .iter()
+                .position(|p| target(p) == target(c))
+                .map(|p| (c, p))
+        });
         if let Some((channel, with)) = collision {
             warnings.add(
                 at,
@@ -90,14 +95,21 @@ fn target(channel: &Channel) -> (usize, Kind) {
 fn moves(channel: &Channel) -> bool {
     // Keys of a spline come in threes: in-tangent, value, out-tangent.
     let spline = channel.interpolation == Interpolation::CubicSpline;
-    fn varies<T: Copy>(keys: &[T], spline: bool, size: impl Fn(T) -> f32, diff: impl Fn(T, T) -> f32) -> bool {
+    fn varies<T: Copy>(
+        keys: &[T],
+        spline: bool,
+        size: impl Fn(T) -> f32,
+        diff: impl Fn(T, T) -> f32,
+    ) -> bool {
         let first = keys[usize::from(spline)];
         // Exporters leave rounding noise on channels that rest.
         let noise = 1e-6 * (1.0 + size(first));
-        keys.iter().enumerate().any(|(i, &key)| match spline && i % 3 != 1 {
-            true => size(key) > noise,
-            false => diff(key, first) > noise,
-        })
+        keys.iter()
+            .enumerate()
+            .any(|(i, &key)| match spline && i % 3 != 1 {
+                true => size(key) > noise,
+                false => diff(key, first) > noise,
+            })
     }
     if channel.times.len() < 2 || channel.period <= 0.0 {
         return false;
@@ -132,7 +144,10 @@ fn load_clip(
     for (index, channel) in clip.channels.iter().enumerate() {
         let at = format!("{at}, channel {index}");
         let Some(sampler) = clip.samplers.get(channel.sampler.value()) else {
-            return Err(Fault::new(at, format!("sampler {} does not exist", channel.sampler)));
+            return Err(Fault::new(
+                at,
+                format!("sampler {} does not exist", channel.sampler),
+            ));
         };
         let (Checked::Valid(path), Checked::Valid(interpolation)) =
             (channel.target.path, sampler.interpolation)
@@ -165,33 +180,58 @@ fn load_clip(
         let output = accessor(sampler.output)?;
         if output.count() != expected {
             let reason = format!("{} values for {} keys", output.count(), times.len());
-            return Err(Fault::new(at, format!("{reason}; {interpolation:?} needs {expected}")));
+            return Err(Fault::new(
+                at,
+                format!("{reason}; {interpolation:?} needs {expected}"),
+            ));
         }
         let out = format!("{at}, output");
         let vectors = || -> Result<Vec<Vec3>, Fault> {
-            Ok(source.floats::<3>(&output, &out)?.into_iter().map(Vec3::from).collect())
+            Ok(source
+                .floats::<3>(&output, &out)?
+                .into_iter()
+                .map(Vec3::from)
+                .collect())
         };
         let track = match path {
             Property::Translation => Track::Translation(vectors()?),
             Property::Scale => Track::Scale(vectors()?),
             _ => {
-                let keys = source.floats::<4>(&output, &out)?.into_iter().map(Quat::from_array);
+                let keys = source
+                    .floats::<4>(&output, &out)?
+                    .into_iter()
+                    .map(Quat::from_array);
                 // Tangents are not rotations and keep their length.
                 let key = |(i, q)| if spline && i % 3 != 1 { q } else { unit(q) };
                 Track::Rotation(keys.enumerate().map(key).collect())
             }
         };
         let Some(&node) = nodes.ours.get(channel.target.node.value()) else {
-            return Err(Fault::new(at, format!("node {} does not exist", channel.target.node)));
+            return Err(Fault::new(
+                at,
+                format!("node {} does not exist", channel.target.node),
+            ));
         };
-        let channel = Channel { node, track, times, interpolation, period: 0.0 };
+        let channel = Channel {
+            node,
+            track,
+            times,
+            interpolation,
+            period: 0.0,
+        };
         if channels.iter().any(|c| target(c) == target(&channel)) {
-            warnings.add(at, "animates the same property as a channel before it and is left out");
+            warnings.add(
+                at,
+                "animates the same property as a channel before it and is left out",
+            );
             continue;
         }
         channels.push(channel);
     }
-    let last = channels.iter().filter_map(|c| c.times.last().copied()).fold(0.0, f32::max);
+    let last = channels
+        .iter()
+        .filter_map(|c| c.times.last().copied())
+        .fold(0.0, f32::max);
     let stated = extras::number(&extras::parse(&clip.extras), "period").filter(|p| *p > 0.0);
     for channel in &mut channels {
         channel.period = stated.unwrap_or(last);

@@ -43,7 +43,9 @@ pub(super) fn bounds(scene: &Scene, animation: &Animation) -> (Vec3, Vec3) {
         let t = scene.duration * instant as f64 / instants as f64;
         animation.world_all(scene, t, &mut worlds);
         for (index, node) in scene.nodes.iter().enumerate() {
-            let Some(mesh) = node.mesh.map(|mesh| &scene.meshes[mesh]) else { continue };
+            let Some(mesh) = node.mesh.map(|mesh| &scene.meshes[mesh]) else {
+                continue;
+            };
             let skin = node.skin.map(|skin| &scene.skins[skin]);
             for primitive in &mesh.primitives {
                 match skin.filter(|_| !primitive.joints.is_empty()) {
@@ -104,7 +106,13 @@ pub(super) fn complete(
         None => orbit(scene, low, high),
     }
     if !own_sky {
-        light(scene, &animation, centre, 0.1 * (high - low).length(), warnings);
+        light(
+            scene,
+            &animation,
+            centre,
+            0.1 * (high - low).length(),
+            warnings,
+        );
     }
 }
 
@@ -127,13 +135,21 @@ fn orbit(scene: &mut Scene, low: Vec3, high: Vec3) {
     }
     distance *= ORBIT_MARGIN;
     let pivot = scene.nodes.len();
-    scene.nodes.push(Node { name: "orbit".into(), translation: centre, ..Node::default() });
+    scene.nodes.push(Node {
+        name: "orbit".into(),
+        translation: centre,
+        ..Node::default()
+    });
     scene.nodes.push(Node {
         name: "orbiting camera".into(),
         parent: Some(pivot),
         translation: Quat::from_rotation_x(-ORBIT_ELEVATION) * Vec3::new(0.0, 0.0, distance),
         rotation: Quat::from_rotation_x(-ORBIT_ELEVATION),
-        camera: Some(Lens { yfov: ORBIT_YFOV, aperture: 0.0, focus: distance }),
+        camera: Some(Lens {
+            yfov: ORBIT_YFOV,
+            aperture: 0.0,
+            focus: distance,
+        }),
         ..Node::default()
     });
     let keys = [0.0, 1.0, 2.0, 3.0_f32].map(|k| k / 3.0);
@@ -157,8 +173,18 @@ fn light(
     warnings: &mut Warnings,
 ) {
     let punctual = scene.nodes.iter().any(|node| node.light.is_some());
-    let used = |node: &Node| node.mesh.into_iter().flat_map(|m| &scene.meshes[m].primitives);
-    let materials = || scene.nodes.iter().flat_map(used).map(|p| &scene.materials[p.material]);
+    let used = |node: &Node| {
+        node.mesh
+            .into_iter()
+            .flat_map(|m| &scene.meshes[m].primitives)
+    };
+    let materials = || {
+        scene
+            .nodes
+            .iter()
+            .flat_map(used)
+            .map(|p| &scene.materials[p.material])
+    };
     let emissive = materials().any(|m| m.emissive != Vec3::ZERO);
     if !punctual && !emissive {
         scene.sky = NEUTRAL_SKY;
@@ -186,16 +212,28 @@ fn light(
             _ => intensity / place.distance(centre).max(nearest).powi(2),
         }
     };
-    let brightest = scene.nodes.iter().enumerate().map(irradiance).fold(0.0, f32::max);
+    let brightest = scene
+        .nodes
+        .iter()
+        .enumerate()
+        .map(irradiance)
+        .fold(0.0, f32::max);
     if brightest > BRIGHTEST_IRRADIANCE {
         let factor = PI / brightest;
-        for light in scene.nodes.iter_mut().filter_map(|node| node.light.as_mut()) {
+        for light in scene
+            .nodes
+            .iter_mut()
+            .filter_map(|node| node.light.as_mut())
+        {
             light.intensity *= factor;
         }
         warnings.add(
             "lights",
-            format!("their intensities are multiplied by {factor:.3e}: white surfaces would be \
-                     {:.0} times too bright to show", brightest / PI),
+            format!(
+                "their intensities are multiplied by {factor:.3e}: white surfaces would be \
+                     {:.0} times too bright to show",
+                brightest / PI
+            ),
         );
     }
 }

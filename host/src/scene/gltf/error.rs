@@ -77,7 +77,10 @@ pub struct Fault {
 impl Fault {
     /// A fault at a place.
     pub(super) fn new(place: impl Into<String>, reason: impl Into<String>) -> Self {
-        Self { place: place.into(), reason: reason.into() }
+        Self {
+            place: place.into(),
+            reason: reason.into(),
+        }
     }
 }
 
@@ -102,7 +105,10 @@ pub(super) struct Warnings(pub(super) Vec<Warning>);
 
 impl Warnings {
     pub(super) fn add(&mut self, place: impl Into<String>, text: impl Into<String>) {
-        let warning = Warning { place: place.into(), text: text.into() };
+        let warning = Warning {
+            place: place.into(),
+            text: text.into(),
+        };
         if !self.0.contains(&warning) {
             self.0.push(warning);
         }

@@ -8,7 +8,10 @@ use serde_json::Value;
 
 /// Parses an `extras` property; absent and unreadable ones are `Null`.
 pub(super) fn parse(extras: &Extras) -> Value {
-    extras.as_ref().and_then(|raw| serde_json::from_str(raw.get()).ok()).unwrap_or(Value::Null)
+    extras
+        .as_ref()
+        .and_then(|raw| serde_json::from_str(raw.get()).ok())
+        .unwrap_or(Value::Null)
 }
 
 /// A finite number at a key.
@@ -29,7 +32,9 @@ fn vec3(value: &Value) -> Option<Vec3> {
 
 /// `extras.medium = {aabb: [[x,y,z],[x,y,z]], sigma_s, sigma_a, g}` of the root.
 pub(super) fn medium(root: &Value) -> Result<Option<Medium>, Fault> {
-    let Some(value) = root.get("medium") else { return Ok(None) };
+    let Some(value) = root.get("medium") else {
+        return Ok(None);
+    };
     let fault = |reason: &str| Fault::new("extras.medium", reason);
     let corner = |i: usize| value.get("aabb").and_then(|b| b.get(i)).and_then(vec3);
     let (Some(a), Some(b)) = (corner(0), corner(1)) else {
@@ -54,11 +59,20 @@ pub(super) fn medium(root: &Value) -> Result<Option<Medium>, Fault> {
 
 /// `extras.unframed.sky = {zenith, horizon, ambient}` of the root, written by the exporter.
 pub(super) fn sky(root: &Value) -> Result<Option<Sky>, Fault> {
-    let Some(value) = root.get("unframed").and_then(|u| u.get("sky")) else { return Ok(None) };
+    let Some(value) = root.get("unframed").and_then(|u| u.get("sky")) else {
+        return Ok(None);
+    };
     let colour = |key: &str| {
-        value.get(key).and_then(vec3).filter(|c| c.min_element() >= 0.0).ok_or_else(|| {
-            Fault::new(format!("extras.unframed.sky.{key}"), "is not three numbers of 0 or more")
-        })
+        value
+            .get(key)
+            .and_then(vec3)
+            .filter(|c| c.min_element() >= 0.0)
+            .ok_or_else(|| {
+                Fault::new(
+                    format!("extras.unframed.sky.{key}"),
+                    "is not three numbers of 0 or more",
+                )
+            })
     };
     Ok(Some(Sky {
         zenith: colour("zenith")?,

@@ -53,13 +53,19 @@ impl Materials {
     /// glTF's default (§3.7.2.1) is a white rough metal, which shows little more than the
     /// environment it reflects; ours is white and matt, so that light and shadow show.
     pub(super) fn default_material(&mut self) -> usize {
-        let material = Material { name: "default".into(), ..Material::default() };
+        let material = Material {
+            name: "default".into(),
+            ..Material::default()
+        };
         let count = self.coordinates.len();
         if let Some(found) = self.materials[..count].iter().position(|m| *m == material) {
             return found;
         }
         self.materials.push(material);
-        self.coordinates.push(Coordinates { set: 0, baked: None });
+        self.coordinates.push(Coordinates {
+            set: 0,
+            baked: None,
+        });
         count
     }
 
@@ -72,7 +78,10 @@ impl Materials {
     ) -> Result<(Material, Coordinates), Fault> {
         let pbr = material.pbr_metallic_roughness();
         let emissive = material.emissive_texture();
-        let mut coordinates = Coordinates { set: 0, baked: None };
+        let mut coordinates = Coordinates {
+            set: 0,
+            baked: None,
+        };
         let mut base_texture = None;
         if let Some(info) = pbr.base_color_texture() {
             let (texture, from) = self.texture_ref(source, &info, at, warnings)?;
@@ -86,7 +95,10 @@ impl Materials {
             if base_texture.is_none() {
                 coordinates = from;
             } else if from != coordinates {
-                warnings.add(at, "its emissive texture uses the base texture's coordinates");
+                warnings.add(
+                    at,
+                    "its emissive texture uses the base texture's coordinates",
+                );
             }
         }
         let (mut metallic, mut roughness) = (pbr.metallic_factor(), pbr.roughness_factor());
@@ -106,7 +118,10 @@ impl Materials {
         }
         let strength = material.emissive_strength().unwrap_or(1.0);
         let transmission = material.transmission();
-        if transmission.as_ref().is_some_and(|t| t.transmission_texture().is_some()) {
+        if transmission
+            .as_ref()
+            .is_some_and(|t| t.transmission_texture().is_some())
+        {
             warnings.add(at, "its transmission texture is not used");
         }
         let mut converted = Material {
@@ -149,12 +164,18 @@ impl Materials {
         let sampler = texture.sampler();
         for mode in [sampler.wrap_s(), sampler.wrap_t()] {
             if mode == WrappingMode::MirroredRepeat {
-                warnings.add(at, "mirrored repetition of a texture is shown as plain repetition");
+                warnings.add(
+                    at,
+                    "mirrored repetition of a texture is shown as plain repetition",
+                );
             }
         }
         let repeat = |mode| mode != WrappingMode::ClampToEdge;
-        let key =
-            (texture.source().index(), repeat(sampler.wrap_s()), repeat(sampler.wrap_t()));
+        let key = (
+            texture.source().index(),
+            repeat(sampler.wrap_s()),
+            repeat(sampler.wrap_t()),
+        );
         let index = match self.keys.iter().position(|k| *k == key) {
             Some(index) => index,
             None => {
@@ -180,10 +201,20 @@ impl Materials {
                 self.keys.len() - 1
             }
         };
-        let mut reference = TextureRef { texture: index, scale: Vec2::ONE, offset: Vec2::ZERO };
-        let mut coordinates = Coordinates { set: info.tex_coord(), baked: None };
+        let mut reference = TextureRef {
+            texture: index,
+            scale: Vec2::ONE,
+            offset: Vec2::ZERO,
+        };
+        let mut coordinates = Coordinates {
+            set: info.tex_coord(),
+            baked: None,
+        };
         if let Some(transform) = info.texture_transform() {
-            let (scale, offset) = (Vec2::from(transform.scale()), Vec2::from(transform.offset()));
+            let (scale, offset) = (
+                Vec2::from(transform.scale()),
+                Vec2::from(transform.offset()),
+            );
             let rotation = transform.rotation();
             if !(scale.is_finite() && offset.is_finite() && rotation.is_finite()) {
                 return Err(Fault::new(at, "its KHR_texture_transform is not finite"));
@@ -215,7 +246,10 @@ fn blend(material: &mut Material, has_ior: bool, at: &str, warnings: &mut Warnin
         if !has_ior && !glossy {
             material.ior = 1.0;
         }
-        warnings.add(at, "alpha blending is shown as transmission of the same strength");
+        warnings.add(
+            at,
+            "alpha blending is shown as transmission of the same strength",
+        );
     } else if material.base_texture.is_some() {
         material.alpha_cutoff = Some(0.5);
         warnings.add(at, "alpha blending is shown as a mask with a cutoff of 0.5");
@@ -227,14 +261,20 @@ fn check_ranges(material: &mut Material, at: &str, warnings: &mut Warnings) -> R
     let m = &material;
     let finite = m.base_colour.is_finite()
         && m.emissive.is_finite()
-        && [m.metallic, m.roughness, m.transmission, m.ior].iter().all(|x| x.is_finite());
+        && [m.metallic, m.roughness, m.transmission, m.ior]
+            .iter()
+            .all(|x| x.is_finite());
     if !finite {
         return Err(Fault::new(at, "has a factor that is not a finite number"));
     }
     let before = material.clone();
     material.base_colour = material.base_colour.clamp(Vec4::ZERO, Vec4::ONE);
     material.emissive = material.emissive.max(Vec3::ZERO);
-    for factor in [&mut material.metallic, &mut material.roughness, &mut material.transmission] {
+    for factor in [
+        &mut material.metallic,
+        &mut material.roughness,
+        &mut material.transmission,
+    ] {
         *factor = factor.clamp(0.0, 1.0);
     }
     // KHR_materials_ior: 0 asks for Fresnel reflectance 1 everywhere; nothing else is below 1.

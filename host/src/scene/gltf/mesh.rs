@@ -24,11 +24,16 @@ pub(super) fn load(
         let mut primitives = Vec::new();
         for primitive in mesh.primitives() {
             let at = format!("{at}, primitive {}", primitive.index());
-            if primitive.attributes().any(|(_, accessor)| accessor.count() == 0) {
+            if primitive
+                .attributes()
+                .any(|(_, accessor)| accessor.count() == 0)
+            {
                 warnings.add(&at, "has no vertices and is left out");
                 continue;
             }
-            primitives.extend(load_primitive(source, &primitive, materials, &at, warnings)?);
+            primitives.extend(load_primitive(
+                source, &primitive, materials, &at, warnings,
+            )?);
         }
         let name = mesh.name().map_or_else(|| at.clone(), str::to_owned);
         meshes.push(Mesh { name, primitives });
@@ -44,7 +49,10 @@ fn load_primitive(
     warnings: &mut Warnings,
 ) -> Result<Option<Primitive>, Fault> {
     let mode = primitive.mode();
-    if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
+    if !matches!(
+        mode,
+        Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan
+    ) {
         warnings.add(at, format!("{mode:?} are not surfaces and are left out"));
         return Ok(None);
     }
@@ -66,7 +74,12 @@ fn load_primitive(
         Some(index) => index,
         None => materials.default_material(),
     };
-    let mut loaded = Primitive { positions, indices, material, ..Primitive::default() };
+    let mut loaded = Primitive {
+        positions,
+        indices,
+        material,
+        ..Primitive::default()
+    };
     load_attributes(source, primitive, materials, &mut loaded, at, warnings)?;
     Ok(Some(loaded))
 }
@@ -93,7 +106,10 @@ fn load_attributes(
     };
     if let Some((accessor, at)) = find(Semantic::Normals, "NORMAL")? {
         let normals = source.floats::<3>(&accessor, &at)?;
-        loaded.normals = normals.into_iter().map(|n| Vec3::from(n).normalize_or_zero()).collect();
+        loaded.normals = normals
+            .into_iter()
+            .map(|n| Vec3::from(n).normalize_or_zero())
+            .collect();
         mend_normals(loaded);
     }
     let coordinates = materials.coordinates[loaded.material];
@@ -108,7 +124,11 @@ fn load_attributes(
                 Some((matrix, offset)) => matrix * Vec2::from(uv) + offset,
                 None => Vec2::from(uv),
             };
-            loaded.uvs = source.floats::<2>(&accessor, &at)?.into_iter().map(place_uv).collect();
+            loaded.uvs = source
+                .floats::<2>(&accessor, &at)?
+                .into_iter()
+                .map(place_uv)
+                .collect();
         }
         None if textured => {
             warnings.add(at, format!("is textured but has no TEXCOORD_{set}"));
@@ -118,9 +138,16 @@ fn load_attributes(
     if let Some((accessor, at)) = find(Semantic::Colors(0), "COLOR_0")? {
         loaded.colours = if accessor.dimensions().multiplicity() == 3 {
             let colours = source.floats::<3>(&accessor, &at)?;
-            colours.into_iter().map(|c| Vec3::from(c).extend(1.0)).collect()
+            colours
+                .into_iter()
+                .map(|c| Vec3::from(c).extend(1.0))
+                .collect()
         } else {
-            source.floats::<4>(&accessor, &at)?.into_iter().map(Vec4::from).collect()
+            source
+                .floats::<4>(&accessor, &at)?
+                .into_iter()
+                .map(Vec4::from)
+                .collect()
         };
     }
     let joints = find(Semantic::Joints(0), "JOINTS_0")?;
@@ -148,10 +175,17 @@ fn load_attributes(
 fn influences(joints: [u32; 4], weights: [f32; 4]) -> ([u16; 4], [f32; 4]) {
     let weights = weights.map(|w| w.max(0.0));
     let sum: f32 = weights.iter().sum();
-    let weights =
-        if sum > 0.0 && sum.is_finite() { weights.map(|w| w / sum) } else { [1.0, 0.0, 0.0, 0.0] };
+    let weights = if sum > 0.0 && sum.is_finite() {
+        weights.map(|w| w / sum)
+    } else {
+        [1.0, 0.0, 0.0, 0.0]
+    };
     let joint = |i: usize| {
-        if weights[i] > 0.0 { u16::try_from(joints[i]).unwrap_or(u16::MAX) } else { 0 }
+        if weights[i] > 0.0 {
+            u16::try_from(joints[i]).unwrap_or(u16::MAX)
+        } else {
+            0
+        }
     };
     (std::array::from_fn(joint), weights)
 }
@@ -165,9 +199,11 @@ fn triangles(
 ) -> Result<Vec<[u32; 3]>, Fault> {
     let at = format!("{at}, indices");
     let vertices: Vec<u32> = match primitive.indices() {
-        Some(accessor) => {
-            source.integers::<1>(&accessor, &at)?.into_iter().map(|[i]| i).collect()
-        }
+        Some(accessor) => source
+            .integers::<1>(&accessor, &at)?
+            .into_iter()
+            .map(|[i]| i)
+            .collect(),
         None => {
             let count = u32::try_from(count)
                 .map_err(|_| Fault::new(&at, format!("{count} vertices exceed 32-bit indices")))?;
@@ -182,13 +218,22 @@ fn triangles(
         Mode::TriangleStrip => vertices
             .windows(3)
             .enumerate()
-            .map(|(i, v)| if i % 2 == 0 { [v[0], v[1], v[2]] } else { [v[0], v[2], v[1]] })
+            .map(|(i, v)| {
+                if i % 2 == 0 {
+                    [v[0], v[1], v[2]]
+                } else {
+                    [v[0], v[2], v[1]]
+                }
+            })
             .collect(),
         Mode::TriangleFan => match vertices.split_first() {
             Some((&hub, rim)) => rim.windows(2).map(|v| [v[0], v[1], hub]).collect(),
             None => Vec::new(),
         },
-        _ => vertices.chunks_exact(3).map(|v| [v[0], v[1], v[2]]).collect(),
+        _ => vertices
+            .chunks_exact(3)
+            .map(|v| [v[0], v[1], v[2]])
+            .collect(),
     })
 }
 

@@ -81,22 +81,44 @@ pub fn load_bytes(bytes: &[u8], path: &Path, clip: Option<&str>) -> Result<Loade
 }
 
 fn convert(source: &Source, file: &Path, clip: Option<&str>) -> Result<Loaded, LoadError> {
-    let content = |fault| LoadError::Content { file: file.to_owned(), fault };
-    let names = animation::names(source);
-    let only = match clip {
-        None => None,
-        Some(wanted) => Some(names.iter().position(|name| name == wanted).ok_or_else(|| {
-            LoadError::Clip { file: file.to_owned(), wanted: wanted.to_owned(), names: names.clone() }
-        })?),
+    let content = |fault| LoadError::Content {
+        file: file.to_owned(),
+        fault,
     };
+    let names = animation::names(source);
+    let only =
+        match clip {
+            None => None,
+            Some(wanted) => Some(names.iter().position(|name| name == wanted).ok_or_else(
+                || LoadError::Clip {
+                    file: file.to_owned(),
+                    wanted: wanted.to_owned(),
+                    names: names.clone(),
+                },
+            )?),
+        };
     let mut warnings = Warnings::default();
     let (scene, extras) = assemble(source, only, file, &mut warnings).map_err(content)?;
     let mut scene = scene;
-    if !scene.nodes.iter().any(|n| n.mesh.is_some_and(|m| !scene.meshes[m].primitives.is_empty())) {
-        return Err(LoadError::Empty { file: file.to_owned() });
+    if !scene.nodes.iter().any(|n| {
+        n.mesh
+            .is_some_and(|m| !scene.meshes[m].primitives.is_empty())
+    }) {
+        return Err(LoadError::Empty {
+            file: file.to_owned(),
+        });
     }
-    dress::complete(&mut scene, extras.own_sky, extras.focus_missing, extras.orthographic, &mut warnings);
-    Ok(Loaded { scene, warnings: warnings.0 })
+    dress::complete(
+        &mut scene,
+        extras.own_sky,
+        extras.focus_missing,
+        extras.orthographic,
+        &mut warnings,
+    );
+    Ok(Loaded {
+        scene,
+        warnings: warnings.0,
+    })
 }
 
 /// What [`dress::complete`] needs to know besides the scene.
@@ -113,7 +135,11 @@ fn assemble(
     warnings: &mut Warnings,
 ) -> Result<(Scene, Open), Fault> {
     let known = gltf::json::extensions::ENABLED_EXTENSIONS;
-    for extension in source.document.extensions_used().filter(|name| !known.contains(name)) {
+    for extension in source
+        .document
+        .extensions_used()
+        .filter(|name| !known.contains(name))
+    {
         warnings.add("extensionsUsed", format!("{extension} is ignored"));
     }
     let mut materials = material::Materials::load(source, warnings)?;
@@ -128,8 +154,13 @@ fn assemble(
         focus_missing: nodes.focus_missing,
         orthographic: nodes.orthographic,
     };
-    let name = file.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-    let duration = channels.iter().map(|c| f64::from(c.period)).fold(0.0, f64::max);
+    let name = file
+        .file_stem()
+        .map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+    let duration = channels
+        .iter()
+        .map(|c| f64::from(c.period))
+        .fold(0.0, f64::max);
     let scene = Scene {
         name,
         nodes: nodes.nodes,
@@ -144,3 +175,6 @@ fn assemble(
     };
     Ok((scene, open))
 }
+
+#[cfg(test)]
+mod tests;

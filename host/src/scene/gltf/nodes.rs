@@ -30,7 +30,12 @@ pub(super) fn load(source: &Source, warnings: &mut Warnings) -> Result<Nodes, Fa
     for (index, visit) in order.iter().enumerate() {
         ours[visit.node.index()] = index;
     }
-    let mut all = Nodes { nodes: Vec::new(), ours, focus_missing: false, orthographic: None };
+    let mut all = Nodes {
+        nodes: Vec::new(),
+        ours,
+        focus_missing: false,
+        orthographic: None,
+    };
     for visit in &order {
         let node = &visit.node;
         let at = place("node", node.index(), node.name());
@@ -73,8 +78,15 @@ fn order(source: &Source) -> Result<Vec<Visit<'_>>, Fault> {
             is_child[child.index()] = true;
         }
     }
-    let scene = document.default_scene().or_else(|| document.scenes().next());
-    let roots = |shown: bool| document.nodes().filter(|n| !is_child[n.index()]).map(move |n| (n, shown));
+    let scene = document
+        .default_scene()
+        .or_else(|| document.scenes().next());
+    let roots = |shown: bool| {
+        document
+            .nodes()
+            .filter(|n| !is_child[n.index()])
+            .map(move |n| (n, shown))
+    };
     let mut starts: Vec<_> = match &scene {
         Some(scene) => scene.nodes().map(|node| (node, true)).collect(),
         None => roots(true).collect(),
@@ -87,7 +99,11 @@ fn order(source: &Source) -> Result<Vec<Visit<'_>>, Fault> {
         if i >= listed && visited[start.index()] {
             continue;
         }
-        let mut stack = vec![Visit { node: start, parent: None, shown }];
+        let mut stack = vec![Visit {
+            node: start,
+            parent: None,
+            shown,
+        }];
         while let Some(visit) = stack.pop() {
             let index = visit.node.index();
             if std::mem::replace(&mut visited[index], true) {
@@ -98,13 +114,20 @@ fn order(source: &Source) -> Result<Vec<Visit<'_>>, Fault> {
             }
             let children: Vec<_> = visit.node.children().collect();
             for child in children.into_iter().rev() {
-                stack.push(Visit { node: child, parent: Some(index), shown: visit.shown });
+                stack.push(Visit {
+                    node: child,
+                    parent: Some(index),
+                    shown: visit.shown,
+                });
             }
             order.push(visit);
         }
     }
     match visited.iter().position(|v| !v) {
-        Some(index) => Err(Fault::new(place("node", index, None), "is its own ancestor")),
+        Some(index) => Err(Fault::new(
+            place("node", index, None),
+            "is its own ancestor",
+        )),
         None => Ok(order),
     }
 }
@@ -115,9 +138,15 @@ fn transform(
     warnings: &mut Warnings,
 ) -> Result<(Vec3, Quat, Vec3), Fault> {
     let (translation, rotation, scale) = match node.transform() {
-        Transform::Decomposed { translation, rotation, scale } => {
-            (Vec3::from(translation), Quat::from_array(rotation), Vec3::from(scale))
-        }
+        Transform::Decomposed {
+            translation,
+            rotation,
+            scale,
+        } => (
+            Vec3::from(translation),
+            Quat::from_array(rotation),
+            Vec3::from(scale),
+        ),
         Transform::Matrix { matrix } => {
             let matrix = Mat4::from_cols_array_2d(&matrix);
             if !matrix.is_finite() {
@@ -132,7 +161,10 @@ fn transform(
             let rebuilt = Mat4::from_scale_rotation_translation(scale, rotation, translation);
             let size = scale.abs().max_element();
             if !rebuilt.abs_diff_eq(matrix, 1e-3 * size.max(translation.abs().max_element())) {
-                warnings.add(at, "its matrix shears: only its rotation and scale are kept");
+                warnings.add(
+                    at,
+                    "its matrix shears: only its rotation and scale are kept",
+                );
             }
             (translation, rotation, scale)
         }
@@ -146,7 +178,11 @@ fn transform(
 /// The unit quaternion along `q`; the identity where that has no direction.
 pub(super) fn unit(q: Quat) -> Quat {
     let length = q.length();
-    if length > 1e-12 && length.is_finite() { q / length } else { Quat::IDENTITY }
+    if length > 1e-12 && length.is_finite() {
+        q / length
+    } else {
+        Quat::IDENTITY
+    }
 }
 
 fn light(
@@ -158,20 +194,36 @@ fn light(
     let kind = match light.kind() {
         Kind::Point => LightKind::Point,
         Kind::Directional => LightKind::Directional,
-        Kind::Spot { inner_cone_angle: inner, outer_cone_angle: outer } => {
+        Kind::Spot {
+            inner_cone_angle: inner,
+            outer_cone_angle: outer,
+        } => {
             if !(inner >= 0.0 && inner <= outer && outer <= FRAC_PI_2 && outer > 0.0) {
-                warnings.add(at, "the angles of its spot light are clamped to 0 ≤ inner ≤ outer ≤ π/2");
+                warnings.add(
+                    at,
+                    "the angles of its spot light are clamped to 0 ≤ inner ≤ outer ≤ π/2",
+                );
             }
             let sane = |angle: f32| if angle.is_finite() { angle } else { 0.0 };
             let outer = sane(outer).clamp(1e-3, FRAC_PI_2);
-            LightKind::Spot { inner: sane(inner).clamp(0.0, outer), outer }
+            LightKind::Spot {
+                inner: sane(inner).clamp(0.0, outer),
+                outer,
+            }
         }
     };
     let range = light.range().filter(|r| *r > 0.0).unwrap_or(f32::INFINITY);
     if !(intensity.is_finite() && intensity.min_element() >= 0.0) {
-        return Err(Fault::new(at, "its light's colour times intensity is negative or not finite"));
+        return Err(Fault::new(
+            at,
+            "its light's colour times intensity is negative or not finite",
+        ));
     }
-    Ok(Light { kind, intensity, range })
+    Ok(Light {
+        kind,
+        intensity,
+        range,
+    })
 }
 
 fn lens(
@@ -183,19 +235,26 @@ fn lens(
     warnings: &mut Warnings,
 ) -> Result<Lens, Fault> {
     // The aperture belongs to the camera, but tools often put extras on its node.
-    let (camera_extras, node_extras) = (extras::parse(camera.extras()), extras::parse(node.extras()));
+    let (camera_extras, node_extras) =
+        (extras::parse(camera.extras()), extras::parse(node.extras()));
     let find = |key| extras::number(&camera_extras, key).or(extras::number(&node_extras, key));
     let aperture = find("aperture").unwrap_or(0.0);
     let focus = find("focus");
     if aperture < 0.0 || focus.is_some_and(|f| f <= 0.0) {
-        return Err(Fault::new(at, "extras.aperture must be 0 or more and extras.focus above 0"));
+        return Err(Fault::new(
+            at,
+            "extras.aperture must be 0 or more and extras.focus above 0",
+        ));
     }
     let yfov = match camera.projection() {
         Projection::Perspective(p) => p.yfov(),
         Projection::Orthographic(o) => {
             let height = 2.0 * o.ymag().abs();
             if !(height > 0.0 && height.is_finite()) {
-                return Err(Fault::new(at, "the ymag of its orthographic camera is not a height"));
+                return Err(Fault::new(
+                    at,
+                    "the ymag of its orthographic camera is not a height",
+                ));
             }
             if first {
                 all.orthographic = Some(height);
@@ -205,10 +264,17 @@ fn lens(
         }
     };
     if !(yfov > 0.0 && yfov < PI) {
-        return Err(Fault::new(at, format!("a yfov of {yfov} is not between 0 and π")));
+        return Err(Fault::new(
+            at,
+            format!("a yfov of {yfov} is not between 0 and π"),
+        ));
     }
     all.focus_missing |= first && focus.is_none();
-    Ok(Lens { yfov, aperture, focus: focus.unwrap_or(1.0) })
+    Ok(Lens {
+        yfov,
+        aperture,
+        focus: focus.unwrap_or(1.0),
+    })
 }
 
 /// Converts all skins and checks that every skinned mesh stays within the joints of its skin.
@@ -233,12 +299,18 @@ pub(super) fn load_skins(
             None => vec![Mat4::IDENTITY; joints.len()],
         };
         if inverse_bind.len() < joints.len() {
-            let reason =
-                format!("{} inverse bind matrices for {} joints", inverse_bind.len(), joints.len());
+            let reason = format!(
+                "{} inverse bind matrices for {} joints",
+                inverse_bind.len(),
+                joints.len()
+            );
             return Err(Fault::new(at, reason));
         }
         let inverse_bind = inverse_bind[..joints.len()].to_vec();
-        skins.push(Skin { joints, inverse_bind });
+        skins.push(Skin {
+            joints,
+            inverse_bind,
+        });
     }
     for node in &mut all.nodes {
         let (Some(skin), Some(mesh)) = (node.skin, node.mesh.map(|mesh| &meshes[mesh])) else {
@@ -246,7 +318,11 @@ pub(super) fn load_skins(
             continue;
         };
         let joints = skins[skin].joints.len();
-        let used = mesh.primitives.iter().flat_map(|p| p.joints.iter().flatten()).max();
+        let used = mesh
+            .primitives
+            .iter()
+            .flat_map(|p| p.joints.iter().flatten())
+            .max();
         match used {
             None => node.skin = None,
             Some(&joint) if usize::from(joint) >= joints => {

@@ -23,16 +23,24 @@ pub(super) struct Source {
 impl Source {
     /// Reads and validates a `.glb` or `.gltf` file and its buffers.
     pub(super) fn open(file: &Path) -> Result<Self, LoadError> {
-        let bytes = std::fs::read(file)
-            .map_err(|source| LoadError::Read { file: file.to_owned(), source })?;
+        let bytes = std::fs::read(file).map_err(|source| LoadError::Read {
+            file: file.to_owned(),
+            source,
+        })?;
         let base = file.parent().map(Path::to_owned).unwrap_or_default();
         Self::from_bytes(&bytes, file, base)
     }
 
     /// The same from memory; `file` is for messages.
     pub(super) fn from_bytes(bytes: &[u8], file: &Path, base: PathBuf) -> Result<Self, LoadError> {
-        let container = |reason: String| LoadError::Container { file: file.to_owned(), reason };
-        let content = |fault: Fault| LoadError::Content { file: file.to_owned(), fault };
+        let container = |reason: String| LoadError::Container {
+            file: file.to_owned(),
+            reason,
+        };
+        let content = |fault: Fault| LoadError::Content {
+            file: file.to_owned(),
+            fault,
+        };
         if bytes.starts_with(b"glTF") {
             check_glb_length(bytes).map_err(container)?;
         } else if bytes.is_empty() {
@@ -56,26 +64,31 @@ impl Source {
             content(Fault::new(path, format!("{}{more}", first.to_lowercase())))
         })?;
         let buffers = load_buffers(&document, blob, &base).map_err(content)?;
-        Ok(Self { document, buffers, base })
+        Ok(Self {
+            document,
+            buffers,
+            base,
+        })
     }
 
     /// The bytes of a view.
     pub(super) fn view(&self, view: &buffer::View, place: &str) -> Result<&[u8], Fault> {
         let data = &self.buffers[view.buffer().index()];
         let end = view.offset().checked_add(view.length());
-        end.and_then(|end| data.get(view.offset()..end)).ok_or_else(|| {
-            Fault::new(
-                place,
-                format!(
-                    "buffer view {} covers bytes {}+{} of buffer {}, which has {}",
-                    view.index(),
-                    view.offset(),
-                    view.length(),
-                    view.buffer().index(),
-                    data.len()
-                ),
-            )
-        })
+        end.and_then(|end| data.get(view.offset()..end))
+            .ok_or_else(|| {
+                Fault::new(
+                    place,
+                    format!(
+                        "buffer view {} covers bytes {}+{} of buffer {}, which has {}",
+                        view.index(),
+                        view.offset(),
+                        view.length(),
+                        view.buffer().index(),
+                        data.len()
+                    ),
+                )
+            })
     }
 
     /// Decodes an image (PNG or JPEG, told by its first bytes) to 8-bit RGBA.
@@ -98,7 +111,10 @@ impl Source {
             return Err(Fault::new(at, "has neither a bufferView nor a uri"));
         };
         let undecodable = |error: String| {
-            Fault::new(&at, format!("cannot be decoded ({error}); glTF allows PNG and JPEG"))
+            Fault::new(
+                &at,
+                format!("cannot be decoded ({error}); glTF allows PNG and JPEG"),
+            )
         };
         let mut reader = image::ImageReader::new(std::io::Cursor::new(bytes))
             .with_guessed_format()
@@ -107,7 +123,10 @@ impl Source {
         limits.max_image_width = Some(MAX_IMAGE_SIDE);
         limits.max_image_height = Some(MAX_IMAGE_SIDE);
         reader.limits(limits);
-        let pixels = reader.decode().map_err(|error| undecodable(error.to_string()))?.into_rgba8();
+        let pixels = reader
+            .decode()
+            .map_err(|error| undecodable(error.to_string()))?
+            .into_rgba8();
         let (width, height) = pixels.dimensions();
         if width == 0 || height == 0 {
             return Err(undecodable(format!("{width}×{height} pixels")));
@@ -119,11 +138,17 @@ impl Source {
 /// The length in the header of a GLB; the `gltf` crate subtracts from it unchecked.
 fn check_glb_length(bytes: &[u8]) -> Result<(), String> {
     let Some(&[a, b, c, d]) = bytes.get(8..12) else {
-        return Err(format!("{} bytes are too few for a GLB header", bytes.len()));
+        return Err(format!(
+            "{} bytes are too few for a GLB header",
+            bytes.len()
+        ));
     };
     let declared = u64::from(u32::from_le_bytes([a, b, c, d]));
     if declared < 20 || declared > bytes.len() as u64 {
-        return Err(format!("its header declares {declared} bytes and it has {}", bytes.len()));
+        return Err(format!(
+            "its header declares {declared} bytes and it has {}",
+            bytes.len()
+        ));
     }
     Ok(())
 }
@@ -140,7 +165,10 @@ fn refuse_extensions(root: &json::Root, file: &Path) -> Result<(), LoadError> {
     if names.is_empty() {
         return Ok(());
     }
-    Err(LoadError::Extensions { file: file.to_owned(), names })
+    Err(LoadError::Extensions {
+        file: file.to_owned(),
+        names,
+    })
 }
 
 /// Loads all buffers: the binary chunk, data URIs and files.
@@ -162,7 +190,10 @@ fn load_buffers(
             let declared = buffer.byte_length.0;
             return Err(Fault::new(
                 at,
-                format!("declares {declared} bytes and has {}; it was cut short", data.len()),
+                format!(
+                    "declares {declared} bytes and has {}; it was cut short",
+                    data.len()
+                ),
             ));
         }
         buffers.push(data);
@@ -174,7 +205,10 @@ fn load_buffers(
 fn read_uri(uri: &str, base: &Path, at: &str) -> Result<Vec<u8>, Fault> {
     // The `gltf` crate decodes percent escapes and panics when the result is not UTF-8.
     if !uri.starts_with("data:") && !percent_decodes(uri) {
-        return Err(Fault::new(at, format!("uri {uri:?} has escapes that are not UTF-8")));
+        return Err(Fault::new(
+            at,
+            format!("uri {uri:?} has escapes that are not UTF-8"),
+        ));
     }
     let source = buffer::Source::Uri(uri);
     match buffer::Data::from_source(source, Some(base)) {
@@ -190,7 +224,11 @@ fn read_uri(uri: &str, base: &Path, at: &str) -> Result<Vec<u8>, Fault> {
             at,
             format!(
                 "{uri:?} in {:?} cannot be read: {error}; put the file there",
-                if base.as_os_str().is_empty() { Path::new(".") } else { base }
+                if base.as_os_str().is_empty() {
+                    Path::new(".")
+                } else {
+                    base
+                }
             ),
         )),
     }
@@ -202,7 +240,9 @@ fn percent_decodes(uri: &str) -> bool {
     let mut decoded = Vec::with_capacity(bytes.len());
     let mut i = 0;
     while i < bytes.len() {
-        let digits = uri.get(i + 1..i + 3).and_then(|d| u8::from_str_radix(d, 16).ok());
+        let digits = uri
+            .get(i + 1..i + 3)
+            .and_then(|d| u8::from_str_radix(d, 16).ok());
         match digits.filter(|_| bytes[i] == b'%') {
             Some(value) => {
                 decoded.push(value);

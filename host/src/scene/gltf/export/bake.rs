@@ -38,13 +38,20 @@ pub(super) fn bake(procedural: &Procedural, colour: Vec3) -> Baked {
     let points = [(0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75)].map(Vec2::from);
     let texel = |x: u32, y: u32| {
         let corner = Vec2::new(x as f32, y as f32);
-        let sum: Vec3 = points.iter().map(|&p| pattern(procedural, (corner + p) * step)).sum();
+        let sum: Vec3 = points
+            .iter()
+            .map(|&p| pattern(procedural, (corner + p) * step))
+            .sum();
         let [r, g, b] = srgb::encode8(sum * 0.25 * colour);
         [r, g, b, 255]
     };
     let rgba = (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y)));
     let rgba = rgba.map(|(x, y)| texel(x, y)).collect();
-    Baked { size, rgba, scale: period.recip() }
+    Baked {
+        size,
+        rgba,
+        scale: period.recip(),
+    }
 }
 
 /// Encodes RGBA texels as PNG.
@@ -58,7 +65,9 @@ pub(super) fn png((width, height): (u32, u32), rgba: &[[u8; 4]]) -> Result<Vec<u
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::Balanced);
     let mut writer = encoder.write_header().map_err(|error| error.to_string())?;
-    writer.write_image_data(rgba.as_flattened()).map_err(|error| error.to_string())?;
+    writer
+        .write_image_data(rgba.as_flattened())
+        .map_err(|error| error.to_string())?;
     writer.finish().map_err(|error| error.to_string())?;
     Ok(bytes)
 }

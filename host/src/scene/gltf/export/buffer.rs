@@ -51,7 +51,13 @@ impl Buffer {
         self.push_accessor(view, component, kind, count)
     }
 
-    fn push_accessor(&mut self, view: usize, component: Component, kind: &str, count: usize) -> Value {
+    fn push_accessor(
+        &mut self,
+        view: usize,
+        component: Component,
+        kind: &str,
+        count: usize,
+    ) -> Value {
         self.accessors.push(json!({
             "bufferView": view, "componentType": component as u32, "type": kind, "count": count,
         }));
@@ -86,9 +92,18 @@ impl Buffer {
     /// Adds vertex indices, 16 bits wide where that is enough (65,535 is a restart mark).
     pub(super) fn indices(&mut self, indices: &[u32], vertices: usize) -> Value {
         let (component, bytes): (_, Vec<u8>) = if vertices < usize::from(u16::MAX) {
-            (Component::U16, indices.iter().flat_map(|&i| (i as u16).to_le_bytes()).collect())
+            (
+                Component::U16,
+                indices
+                    .iter()
+                    .flat_map(|&i| (i as u16).to_le_bytes())
+                    .collect(),
+            )
         } else {
-            (Component::U32, indices.iter().flat_map(|i| i.to_le_bytes()).collect())
+            (
+                Component::U32,
+                indices.iter().flat_map(|i| i.to_le_bytes()).collect(),
+            )
         };
         let view = self.bytes(&bytes, Some(ELEMENT_ARRAY_BUFFER));
         self.push_accessor(view, component, "SCALAR", indices.len())
@@ -107,7 +122,10 @@ impl Buffer {
         let mut text = root.to_string().into_bytes();
         text.resize(text.len().next_multiple_of(4), b' ');
         let chunks = [(*b"JSON", text), (*b"BIN\0", self.data)];
-        let chunks: Vec<_> = chunks.into_iter().filter(|(_, data)| !data.is_empty()).collect();
+        let chunks: Vec<_> = chunks
+            .into_iter()
+            .filter(|(_, data)| !data.is_empty())
+            .collect();
         let total = 12 + chunks.iter().map(|(_, data)| 8 + data.len()).sum::<usize>();
         let length = u32::try_from(total).map_err(|_| ExportError::TooLarge(total))?;
         let mut glb = Vec::with_capacity(total);

@@ -58,16 +58,23 @@ pub fn export(scene: &Scene) -> Result<Vec<u8>, ExportError> {
         .meshes
         .iter()
         .map(|mesh| {
-            let primitives: Vec<Value> =
-                mesh.primitives.iter().filter_map(|p| writer.primitive(p)).collect();
+            let primitives: Vec<Value> = mesh
+                .primitives
+                .iter()
+                .filter_map(|p| writer.primitive(p))
+                .collect();
             (mesh, primitives)
         })
         .map(|(mesh, primitives)| json!({ "name": mesh.name, "primitives": primitives }))
         .collect();
     // glTF has no empty meshes; nodes that refer to one refer to nothing.
     let kept: Vec<Option<usize>> = numbered(&meshes, |mesh| mesh["primitives"] != json!([]));
-    let meshes: Vec<Value> =
-        meshes.into_iter().zip(&kept).filter(|(_, k)| k.is_some()).map(|(m, _)| m).collect();
+    let meshes: Vec<Value> = meshes
+        .into_iter()
+        .zip(&kept)
+        .filter(|(_, k)| k.is_some())
+        .map(|(m, _)| m)
+        .collect();
     let nodes: Vec<Value> = scene
         .nodes
         .iter()
@@ -78,15 +85,19 @@ pub fn export(scene: &Scene) -> Result<Vec<u8>, ExportError> {
         .skins
         .iter()
         .map(|skin| {
-            let matrices: Vec<f32> =
-                skin.inverse_bind.iter().flat_map(|m| m.to_cols_array()).collect();
+            let matrices: Vec<f32> = skin
+                .inverse_bind
+                .iter()
+                .flat_map(|m| m.to_cols_array())
+                .collect();
             let accessor = writer.buffer.floats(&matrices, "MAT4", false);
             json!({ "joints": skin.joints, "inverseBindMatrices": accessor })
         })
         .collect();
     let animations = writer.animations(&scene.channels);
-    let roots: Vec<usize> =
-        (0..scene.nodes.len()).filter(|&n| scene.nodes[n].parent.is_none()).collect();
+    let roots: Vec<usize> = (0..scene.nodes.len())
+        .filter(|&n| scene.nodes[n].parent.is_none())
+        .collect();
     let sky = &scene.sky;
     let mut root = json!({
         "asset": { "version": "2.0", "generator": "unframed" },
@@ -134,7 +145,10 @@ pub fn export(scene: &Scene) -> Result<Vec<u8>, ExportError> {
 /// The new index of each item that is kept.
 fn numbered<T>(items: &[T], keep: impl Fn(&T) -> bool) -> Vec<Option<usize>> {
     let mut next = 0..;
-    items.iter().map(|item| if keep(item) { next.next() } else { None }).collect()
+    items
+        .iter()
+        .map(|item| if keep(item) { next.next() } else { None })
+        .collect()
 }
 
 /// All that is written, list by list.
@@ -244,8 +258,10 @@ impl Writer {
         repeat_u: bool,
         repeat_v: bool,
     ) -> Result<usize, ExportError> {
-        let png = bake::png(size, rgba)
-            .map_err(|reason| ExportError::Texture { name: name.to_owned(), reason })?;
+        let png = bake::png(size, rgba).map_err(|reason| ExportError::Texture {
+            name: name.to_owned(),
+            reason,
+        })?;
         let view = self.buffer.bytes(&png, None);
         let wrap = |repeat| if repeat { 10_497 } else { 33_071 };
         // LINEAR, LINEAR_MIPMAP_LINEAR.
@@ -253,9 +269,11 @@ impl Writer {
             "magFilter": 9729, "minFilter": 9987, "wrapS": wrap(repeat_u), "wrapT": wrap(repeat_v),
         });
         let index = self.textures.len();
-        self.images.push(json!({ "name": name, "bufferView": view, "mimeType": "image/png" }));
+        self.images
+            .push(json!({ "name": name, "bufferView": view, "mimeType": "image/png" }));
         self.samplers.push(sampler);
-        self.textures.push(json!({ "source": index, "sampler": index }));
+        self.textures
+            .push(json!({ "source": index, "sampler": index }));
         Ok(index)
     }
 
@@ -266,7 +284,8 @@ impl Writer {
         }
         let buffer = &mut self.buffer;
         let flat3 = |v: &[Vec3]| v.iter().flat_map(|v| v.to_array()).collect::<Vec<f32>>();
-        let mut attributes = json!({ "POSITION": buffer.floats(&flat3(&p.positions), "VEC3", true) });
+        let mut attributes =
+            json!({ "POSITION": buffer.floats(&flat3(&p.positions), "VEC3", true) });
         if !p.normals.is_empty() {
             attributes["NORMAL"] = buffer.floats(&flat3(&p.normals), "VEC3", false);
         }
@@ -279,26 +298,36 @@ impl Writer {
             attributes["COLOR_0"] = buffer.floats(&colours, "VEC4", false);
         }
         if !p.joints.is_empty() {
-            let joints: Vec<u8> =
-                p.joints.iter().flatten().flat_map(|joint| joint.to_le_bytes()).collect();
+            let joints: Vec<u8> = p
+                .joints
+                .iter()
+                .flatten()
+                .flat_map(|joint| joint.to_le_bytes())
+                .collect();
             let count = p.joints.len();
             attributes["JOINTS_0"] = buffer.accessor(&joints, Component::U16, "VEC4", count);
-            attributes["WEIGHTS_0"] =
-                buffer.floats(p.weights.as_flattened(), "VEC4", false);
+            attributes["WEIGHTS_0"] = buffer.floats(p.weights.as_flattened(), "VEC4", false);
         }
         let indices = buffer.indices(p.indices.as_flattened(), p.positions.len());
         Some(json!({ "attributes": attributes, "indices": indices, "material": p.material }))
     }
 
-    fn node(&mut self, scene: &Scene, index: usize, node: &Node, meshes: &[Option<usize>]) -> Value {
+    fn node(
+        &mut self,
+        scene: &Scene,
+        index: usize,
+        node: &Node,
+        meshes: &[Option<usize>],
+    ) -> Value {
         let mut written = json!({
             "name": node.name,
             "translation": node.translation.to_array(),
             "rotation": node.rotation.to_array(),
             "scale": node.scale.to_array(),
         });
-        let children: Vec<usize> =
-            (0..scene.nodes.len()).filter(|&n| scene.nodes[n].parent == Some(index)).collect();
+        let children: Vec<usize> = (0..scene.nodes.len())
+            .filter(|&n| scene.nodes[n].parent == Some(index))
+            .collect();
         if !children.is_empty() {
             written["children"] = json!(children);
         }
@@ -319,7 +348,11 @@ impl Writer {
         if let Some(light) = &node.light {
             // The format asks for a colour of at most 1.
             let strength = light.intensity.max_element();
-            let colour = if strength > 0.0 { light.intensity / strength } else { Vec3::ONE };
+            let colour = if strength > 0.0 {
+                light.intensity / strength
+            } else {
+                Vec3::ONE
+            };
             let mut value = json!({ "color": colour.to_array(), "intensity": strength });
             value["type"] = json!(match light.kind {
                 LightKind::Point => "point",
@@ -332,7 +365,8 @@ impl Writer {
             if light.range.is_finite() {
                 value["range"] = json!(light.range);
             }
-            written["extensions"] = json!({ "KHR_lights_punctual": { "light": self.lights.len() } });
+            written["extensions"] =
+                json!({ "KHR_lights_punctual": { "light": self.lights.len() } });
             self.lights.push(value);
         }
         written
@@ -380,7 +414,9 @@ impl Writer {
         }
         let input = self.buffer.floats(&times, "SCALAR", true);
         let (path, kind, values) = match &channel.track {
-            Track::Translation(keys) => ("translation", "VEC3", held(keys, pad, spline, Vec3::ZERO)),
+            Track::Translation(keys) => {
+                ("translation", "VEC3", held(keys, pad, spline, Vec3::ZERO))
+            }
             Track::Scale(keys) => ("scale", "VEC3", held(keys, pad, spline, Vec3::ZERO)),
             Track::Rotation(keys) => {
                 let zero = Quat::from_array([0.0; 4]);
@@ -427,13 +463,20 @@ fn check_indices(scene: &Scene) -> Result<(), ExportError> {
         if index < count {
             return Ok(());
         }
-        Err(ExportError::Index { scene: scene.name.clone(), place, index })
+        Err(ExportError::Index {
+            scene: scene.name.clone(),
+            place,
+            index,
+        })
     };
     for (i, node) in scene.nodes.iter().enumerate() {
         let at = || format!("node {:?}", node.name);
-        node.parent.map_or(Ok(()), |parent| check(at(), parent, i))?;
-        node.mesh.map_or(Ok(()), |mesh| check(at(), mesh, scene.meshes.len()))?;
-        node.skin.map_or(Ok(()), |skin| check(at(), skin, scene.skins.len()))?;
+        node.parent
+            .map_or(Ok(()), |parent| check(at(), parent, i))?;
+        node.mesh
+            .map_or(Ok(()), |mesh| check(at(), mesh, scene.meshes.len()))?;
+        node.skin
+            .map_or(Ok(()), |skin| check(at(), skin, scene.skins.len()))?;
     }
     for mesh in &scene.meshes {
         for p in &mesh.primitives {
@@ -445,8 +488,15 @@ fn check_indices(scene: &Scene) -> Result<(), ExportError> {
         }
     }
     for material in &scene.materials {
-        for used in [&material.base_texture, &material.emissive_texture].into_iter().flatten() {
-            check(format!("material {:?}", material.name), used.texture, scene.textures.len())?;
+        for used in [&material.base_texture, &material.emissive_texture]
+            .into_iter()
+            .flatten()
+        {
+            check(
+                format!("material {:?}", material.name),
+                used.texture,
+                scene.textures.len(),
+            )?;
         }
     }
     for (i, channel) in scene.channels.iter().enumerate() {
