@@ -6,6 +6,7 @@
 //! | passes | [`pass`] | integer compute stages over buffers of words, each readable for comparison |
 //! | glass | [`panel`] | what the panel does with the picture: dithering, response time |
 //! | paint | [`paint`] | whole-number upscaling of a picture onto a surface, byte for byte |
+//! | source | [`source`] | what gives the pictures: a trait, a channel |
 //! | window | [`window`] | shows a source of pictures at the panel's refresh rate |
 //!
 //! Everything that decides a pixel is integer arithmetic, on the adapter as on the processor, so
@@ -18,6 +19,7 @@ pub mod gpu;
 pub mod paint;
 pub mod panel;
 pub mod pass;
+pub mod source;
 pub mod window;
 
 pub use gpu::{Gpu, GpuError};

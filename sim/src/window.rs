@@ -7,7 +7,6 @@
 //! Keys: Esc and q quit, space pauses; all others go to the source.
 
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, TryRecvError};
 use std::time::{Duration, Instant};
 
 use winit::application::ApplicationHandler;
@@ -20,66 +19,7 @@ use winit::window::{Window, WindowId};
 use crate::gpu::{Gpu, GpuError, new_instance};
 use crate::paint::Painter;
 pub use crate::paint::{Frame, Placement};
-
-/// What a source has at a refresh.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Next {
-    /// The frame was filled.
-    Picture,
-    /// The picture before it stays.
-    Unchanged,
-    /// There is no more: the window closes.
-    End,
-}
-
-/// A key for the source.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Key {
-    /// A letter or digit as typed, shift applied.
-    Char(char),
-    /// An arrow.
-    Left,
-    /// An arrow.
-    Right,
-    /// An arrow.
-    Up,
-    /// An arrow.
-    Down,
-}
-
-/// Where pictures come from. Called on the window's thread: a source that computes for longer
-/// than a refresh should do so elsewhere and hand its pictures over a channel (a [`Receiver`] of
-/// frames is a source that shows the newest).
-pub trait Source {
-    /// Called once a refresh unless paused; `frame` is the one given last, to be reused.
-    fn next(&mut self, frame: &mut Frame) -> Next;
-
-    /// A key was pressed (overlays, camera).
-    fn key(&mut self, _key: Key) {}
-
-    /// The window was paused (true) or goes on; a source with a clock of its own stops it.
-    fn pause(&mut self, _paused: bool) {}
-
-    /// Text for the title bar, asked twice a second (rate, RMSE).
-    fn status(&mut self) -> Option<String> {
-        None
-    }
-}
-
-impl Source for Receiver<Frame> {
-    fn next(&mut self, frame: &mut Frame) -> Next {
-        let mut outcome = Next::Unchanged;
-        loop {
-            match self.try_recv() {
-                Ok(newer) => (*frame, outcome) = (newer, Next::Picture),
-                Err(TryRecvError::Empty) => return outcome,
-                // The last picture is shown before the end is told.
-                Err(TryRecvError::Disconnected) if outcome == Next::Picture => return outcome,
-                Err(TryRecvError::Disconnected) => return Next::End,
-            }
-        }
-    }
-}
+pub use crate::source::{Key, Next, Source};
 
 /// How the window behaves.
 #[derive(Clone, Debug)]
@@ -137,20 +77,7 @@ const PRESENT_REMEDY: &str = "install a Vulkan driver that presents to it (Debia
 pub fn show(options: &Options, source: &mut dyn Source) -> Result<Shown, WindowError> {
     let event_loop =
         build_event_loop().map_err(|error| WindowError::NoDisplay(error.to_string()))?;
-    let period = Duration::from_secs(1) / options.refresh_hz.clamp(1, 1000);
-    let mut app = App {
-        options,
-        source,
-        period,
-        screen: None,
-        frame: Frame::default(),
-        due: Instant::now(),
-        started: None,
-        titled: None,
-        paused: false,
-        shown: Shown::default(),
-        outcome: Ok(()),
-    };
+    let mut app = App::new(options, source);
     event_loop
         .run_app(&mut app)
         .map_err(|error| WindowError::Refused(error.to_string()))?;
@@ -305,7 +232,23 @@ struct App<'a> {
     outcome: Result<(), WindowError>,
 }
 
-impl App<'_> {
+impl<'a> App<'a> {
+    fn new(options: &'a Options, source: &'a mut dyn Source) -> App<'a> {
+        App {
+            options,
+            source,
+            period: Duration::from_secs(1) / options.refresh_hz.clamp(1, 1000),
+            screen: None,
+            frame: Frame::default(),
+            due: Instant::now(),
+            started: None,
+            titled: None,
+            paused: false,
+            shown: Shown::default(),
+            outcome: Ok(()),
+        }
+    }
+
     /// Ends the loop, with the first error if there is one.
     fn finish(&mut self, event_loop: &ActiveEventLoop, outcome: Result<(), WindowError>) {
         if self.outcome.is_ok() {
