@@ -11,10 +11,17 @@ use unframed_host::trace::{World, ideal};
 fn main() -> Result<(), Box<dyn Error>> {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let [name, out, rest @ ..] = args.as_slice() else {
-        return Err(format!("usage: ideal SCENE OUT.png [SECONDS] [SIZE] [SAMPLES]; built in: {BUILTIN:?}").into());
+        return Err(format!(
+            "usage: ideal SCENE OUT.png [SECONDS] [SIZE] [SAMPLES]; built in: {BUILTIN:?}"
+        )
+        .into());
     };
     let number = |i: usize, default: f64| rest.get(i).map_or(Ok(default), |s| s.parse::<f64>());
-    let (t, size, n) = (number(0, 0.0)?, number(1, 512.0)? as u32, number(2, 3.0)? as u32);
+    let (t, size, n) = (
+        number(0, 0.0)?,
+        number(1, 512.0)? as u32,
+        number(2, 3.0)? as u32,
+    );
     let scene = match builtin(name) {
         Some(scene) => scene,
         None => load(Path::new(name), None)?.scene,
@@ -24,6 +31,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut encoder = png::Encoder::new(std::fs::File::create(out)?, size, size);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
-    encoder.write_header()?.write_image_data(image.as_flattened())?;
+    encoder
+        .write_header()?
+        .write_image_data(image.as_flattened())?;
     Ok(())
 }

@@ -16,7 +16,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     if names.is_empty() {
         names = BUILTIN.map(String::from).to_vec();
     }
-    println!("scene            triangles objects  Msamples/s  rays/sample (shadow, bounce)  prepare µs");
+    println!(
+        "scene            triangles objects  Msamples/s  rays/sample (shadow, bounce)  prepare µs"
+    );
     for name in names {
         let scene = match builtin(&name) {
             Some(scene) => scene,

@@ -29,11 +29,16 @@ impl Animation {
         let mut drivers = vec![[None; 3]; scene.nodes.len()];
         let mut varies = vec![false; scene.nodes.len()];
         for (i, channel) in scene.channels.iter().enumerate() {
-            let Some(slots) = drivers.get_mut(channel.node) else { continue };
+            let Some(slots) = drivers.get_mut(channel.node) else {
+                continue;
+            };
             slots[slot(&channel.track)] = Some(i);
         }
         for (node, slots) in drivers.iter().enumerate() {
-            varies[node] = slots.iter().flatten().any(|&c| channel_varies(&scene.channels[c]));
+            varies[node] = slots
+                .iter()
+                .flatten()
+                .any(|&c| channel_varies(&scene.channels[c]));
         }
         let mut carrier: Vec<Option<usize>> = Vec::with_capacity(scene.nodes.len());
         for (i, node) in scene.nodes.iter().enumerate() {
@@ -41,7 +46,11 @@ impl Animation {
             carrier.push(if varies[i] { Some(i) } else { above });
         }
         let moving = carrier.iter().map(Option::is_some).collect();
-        Self { drivers, moving, carrier }
+        Self {
+            drivers,
+            moving,
+            carrier,
+        }
     }
 
     /// Whether the node's place in the world varies with time.
@@ -64,9 +73,15 @@ impl Animation {
         let [translation, rotation, scale] = self.drivers[node];
         let channel = |slot: Option<usize>| slot.map(|c| &scene.channels[c]);
         Affine3A::from_scale_rotation_translation(
-            channel(scale).and_then(|c| vector_at(c, t)).unwrap_or(rest.scale),
-            channel(rotation).and_then(|c| rotation_at(c, t)).unwrap_or(rest.rotation),
-            channel(translation).and_then(|c| vector_at(c, t)).unwrap_or(rest.translation),
+            channel(scale)
+                .and_then(|c| vector_at(c, t))
+                .unwrap_or(rest.scale),
+            channel(rotation)
+                .and_then(|c| rotation_at(c, t))
+                .unwrap_or(rest.rotation),
+            channel(translation)
+                .and_then(|c| vector_at(c, t))
+                .unwrap_or(rest.translation),
         )
     }
 
@@ -100,10 +115,20 @@ impl Animation {
     #[must_use]
     pub fn corners(&self, scene: &Scene, t0: f64, t1: f64) -> Vec<f64> {
         let mut found = Vec::new();
-        for channel in self.drivers.iter().flatten().flatten().map(|&c| &scene.channels[c]) {
+        for channel in self
+            .drivers
+            .iter()
+            .flatten()
+            .flatten()
+            .map(|&c| &scene.channels[c])
+        {
             let period = f64::from(channel.period);
             let loops = period > 0.0;
-            let base = if loops { (t0 / period).floor() * period } else { 0.0 };
+            let base = if loops {
+                (t0 / period).floor() * period
+            } else {
+                0.0
+            };
             let begin = t0 - base;
             let first = channel.times.partition_point(|&k| f64::from(k) <= begin);
             for &key in &channel.times[first..] {
@@ -146,7 +171,8 @@ fn channel_varies(channel: &Channel) -> bool {
 
 /// Whether all spline values are equal and all tangents zero.
 fn still<T: PartialEq + Copy>(v: &[T], zero: T) -> bool {
-    v.chunks_exact(3).all(|k| k[0] == zero && k[2] == zero && k[1] == v[1])
+    v.chunks_exact(3)
+        .all(|k| k[0] == zero && k[2] == zero && k[1] == v[1])
 }
 
 /// A place on the time axis of a channel: between keys `from` and `from + 1`.
@@ -161,16 +187,28 @@ struct Place {
 /// `None` without keys. Times before the first and after the last key hold those.
 fn place(channel: &Channel, t: f64) -> Option<Place> {
     let period = f64::from(channel.period);
-    let t = if period > 0.0 { t.rem_euclid(period) } else { t };
+    let t = if period > 0.0 {
+        t.rem_euclid(period)
+    } else {
+        t
+    };
     let times = &channel.times;
     let after = times.partition_point(|&k| f64::from(k) <= t);
     if times.is_empty() {
         None
     } else if after == 0 || after == times.len() {
-        Some(Place { from: after.saturating_sub(1), s: 0.0, span: 0.0 })
+        Some(Place {
+            from: after.saturating_sub(1),
+            s: 0.0,
+            span: 0.0,
+        })
     } else {
         let (a, b) = (f64::from(times[after - 1]), f64::from(times[after]));
-        Some(Place { from: after - 1, s: ((t - a) / (b - a)) as f32, span: (b - a) as f32 })
+        Some(Place {
+            from: after - 1,
+            s: ((t - a) / (b - a)) as f32,
+            span: (b - a) as f32,
+        })
     }
 }
 
@@ -187,7 +225,9 @@ fn hermite(p: &Place) -> [f32; 4] {
 }
 
 fn vector_at(channel: &Channel, t: f64) -> Option<Vec3> {
-    let (Track::Translation(v) | Track::Scale(v)) = &channel.track else { return None };
+    let (Track::Translation(v) | Track::Scale(v)) = &channel.track else {
+        return None;
+    };
     let p = place(channel, t)?;
     let still = p.span <= 0.0;
     match channel.interpolation {
@@ -204,7 +244,9 @@ fn vector_at(channel: &Channel, t: f64) -> Option<Vec3> {
 }
 
 fn rotation_at(channel: &Channel, t: f64) -> Option<Quat> {
-    let Track::Rotation(v) = &channel.track else { return None };
+    let Track::Rotation(v) = &channel.track else {
+        return None;
+    };
     let p = place(channel, t)?;
     let still = p.span <= 0.0;
     match channel.interpolation {
@@ -216,7 +258,11 @@ fn rotation_at(channel: &Channel, t: f64) -> Option<Quat> {
             let w = hermite(&p);
             let k = v.get(3 * p.from..3 * p.from + 6)?;
             let q = k[1] * w[0] + k[2] * w[1] + k[4] * w[2] + k[3] * w[3];
-            Some(if q.length_squared() > 1e-12 { q.normalize() } else { Quat::IDENTITY })
+            Some(if q.length_squared() > 1e-12 {
+                q.normalize()
+            } else {
+                Quat::IDENTITY
+            })
         }
     }
 }
@@ -231,9 +277,19 @@ mod tests {
         Scene {
             nodes: vec![
                 Node::default(),
-                Node { parent: Some(0), translation: Vec3::X, ..Node::default() },
+                Node {
+                    parent: Some(0),
+                    translation: Vec3::X,
+                    ..Node::default()
+                },
             ],
-            channels: vec![Channel { node: 0, track, times, interpolation, period }],
+            channels: vec![Channel {
+                node: 0,
+                track,
+                times,
+                interpolation,
+                period,
+            }],
             ..Scene::default()
         }
     }
@@ -242,8 +298,9 @@ mod tests {
     fn a_wheel_turns_as_its_closed_form() {
         let keys = 9;
         let times: Vec<f32> = (0..keys).map(|i| i as f32 * 0.25).collect();
-        let turns =
-            (0..keys).map(|i| Quat::from_rotation_y(TAU * i as f32 / (keys - 1) as f32)).collect();
+        let turns = (0..keys)
+            .map(|i| Quat::from_rotation_y(TAU * i as f32 / (keys - 1) as f32))
+            .collect();
         let scene = one(Track::Rotation(turns), times, Interpolation::Linear, 2.0);
         let animation = Animation::new(&scene);
         assert!(animation.moves(1) && animation.carrier(1) == Some(0));
@@ -252,7 +309,10 @@ mod tests {
             let angle = (t.rem_euclid(2.0) / 2.0) as f32 * TAU;
             let at = animation.world(&scene, 1, t).translation;
             let expected = Vec3::new(angle.cos(), 0.0, -angle.sin());
-            assert!((Vec3::from(at) - expected).length() < 1e-5, "{t}: {at} {expected}");
+            assert!(
+                (Vec3::from(at) - expected).length() < 1e-5,
+                "{t}: {at} {expected}"
+            );
         }
     }
 
@@ -263,7 +323,12 @@ mod tests {
         let d = |t: f32| Vec3::new(3.0 * t * t - 2.0, 1.0, 0.0);
         let times = vec![0.0, 0.5, 2.0];
         let keys = times.iter().flat_map(|&t| [d(t), f(t), d(t)]).collect();
-        let scene = one(Track::Translation(keys), times, Interpolation::CubicSpline, 3.0);
+        let scene = one(
+            Track::Translation(keys),
+            times,
+            Interpolation::CubicSpline,
+            3.0,
+        );
         let animation = Animation::new(&scene);
         for i in 0..=200 {
             let t = i as f32 * 0.01;
@@ -290,16 +355,29 @@ mod tests {
     #[test]
     fn keys_that_are_equal_do_not_move() {
         let v = vec![Vec3::Y; 2];
-        let scene = one(Track::Translation(v), vec![0.0, 1.0], Interpolation::Linear, 1.0);
+        let scene = one(
+            Track::Translation(v),
+            vec![0.0, 1.0],
+            Interpolation::Linear,
+            1.0,
+        );
         let a = Animation::new(&scene);
         assert!(!a.moves(0) && !a.moves(1));
-        assert_eq!(a.world(&scene, 1, 0.3).translation, Vec3::new(1.0, 1.0, 0.0).into());
+        assert_eq!(
+            a.world(&scene, 1, 0.3).translation,
+            Vec3::new(1.0, 1.0, 0.0).into()
+        );
     }
 
     #[test]
     fn evaluating_all_equals_one_by_one() {
         let v = vec![Vec3::ZERO, Vec3::splat(3.0)];
-        let scene = one(Track::Translation(v), vec![0.0, 1.0], Interpolation::Linear, 1.0);
+        let scene = one(
+            Track::Translation(v),
+            vec![0.0, 1.0],
+            Interpolation::Linear,
+            1.0,
+        );
         let a = Animation::new(&scene);
         let mut all = Vec::new();
         for t in [0.0, 0.25, 0.7] {

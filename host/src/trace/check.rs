@@ -29,7 +29,11 @@ pub(crate) fn check(scene: &Scene, size: [u32; 2]) -> Result<(), WorldError> {
         return Err(WorldError::Size(size[0], size[1]));
     }
     let broken = |place: String, problem| {
-        Err(WorldError::Broken { scene: scene.name.clone(), place, problem })
+        Err(WorldError::Broken {
+            scene: scene.name.clone(),
+            place,
+            problem,
+        })
     };
     for (i, node) in scene.nodes.iter().enumerate() {
         let place = || format!("node {i} '{}'", node.name);
@@ -45,12 +49,22 @@ pub(crate) fn check(scene: &Scene, size: [u32; 2]) -> Result<(), WorldError> {
         if !(node.translation.is_finite() && node.rotation.is_finite() && node.scale.is_finite()) {
             return broken(place(), "its transform is not finite");
         }
-        if node.camera.is_some_and(|c| !(c.yfov > 0.0 && c.yfov < std::f32::consts::PI)) {
-            return broken(place(), "the field of view must be above 0 and below 180 degrees");
+        if node
+            .camera
+            .is_some_and(|c| !(c.yfov > 0.0 && c.yfov < std::f32::consts::PI))
+        {
+            return broken(
+                place(),
+                "the field of view must be above 0 and below 180 degrees",
+            );
         }
         if let (Some(mesh), Some(skin)) = (node.mesh, node.skin) {
             let joints = scene.skins[skin].joints.len();
-            let all = scene.meshes[mesh].primitives.iter().flat_map(|p| &p.joints).flatten();
+            let all = scene.meshes[mesh]
+                .primitives
+                .iter()
+                .flat_map(|p| &p.joints)
+                .flatten();
             if joints == 0 || all.max().is_some_and(|&j| usize::from(j) >= joints) {
                 return broken(place(), "a vertex names a joint that its skin lacks");
             }
@@ -118,7 +132,11 @@ fn channel_problem(scene: &Scene, channel: &Channel) -> Option<&'static str> {
             v.len()
         }
     };
-    let each = if channel.interpolation == Interpolation::CubicSpline { 3 } else { 1 };
+    let each = if channel.interpolation == Interpolation::CubicSpline {
+        3
+    } else {
+        1
+    };
     if channel.node >= scene.nodes.len() {
         Some("there is no such node")
     } else if channel.times.is_empty() || values != each * channel.times.len() {

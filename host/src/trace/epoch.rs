@@ -67,7 +67,11 @@ impl Epoch {
     pub(crate) fn index(&mut self) {
         self.tree = (self.swept.len() >= TREE_FROM).then(|| {
             let boxes: Vec<_> = self.swept.iter().map(|&(_, b)| Boxed(b)).collect();
-            build_bvh2(&boxes, BvhBuildParams::fastest_build(), &mut Default::default())
+            build_bvh2(
+                &boxes,
+                BvhBuildParams::fastest_build(),
+                &mut Default::default(),
+            )
         });
     }
 
@@ -153,7 +157,11 @@ mod tests {
         let times = Epoch::times(1.0, 1.0035, &[1.002]);
         assert_eq!((times[0], times[times.len() - 1]), (1.0, 1.0035));
         assert!(times.contains(&1.002));
-        assert!(times.windows(2).all(|w| w[1] > w[0] && w[1] - w[0] <= SPACING * 1.0001));
+        assert!(
+            times
+                .windows(2)
+                .all(|w| w[1] > w[0] && w[1] - w[0] <= SPACING * 1.0001)
+        );
         assert_eq!(Epoch::times(2.0, 2.0, &[]), [2.0]);
         assert_eq!(Epoch::times(2.0, 1.0, &[]), [2.0]);
     }
@@ -172,6 +180,12 @@ mod tests {
             let now = sweep(&local, std::iter::once(pose(i as f32 / 100.0))).unwrap();
             assert!(swept.union(&now) == swept, "{i}");
         }
-        assert!(sweep(&local, std::iter::once(Affine3A::from_scale(glam::Vec3::ZERO))).is_none());
+        assert!(
+            sweep(
+                &local,
+                std::iter::once(Affine3A::from_scale(glam::Vec3::ZERO))
+            )
+            .is_none()
+        );
     }
 }

@@ -51,7 +51,12 @@ struct Tri {
 impl Tri {
     fn new([v0, v1, v2]: [Vec3A; 3]) -> Self {
         let (e1, e2) = (v0 - v1, v2 - v0);
-        Self { v0, e1, e2, ng: e1.cross(e2) }
+        Self {
+            v0,
+            e1,
+            e2,
+            ng: e1.cross(e2),
+        }
     }
 
     /// Ray parameter within the ray's limits, else infinity.
@@ -126,13 +131,23 @@ impl Geometry {
         let bvh = if boxed.is_empty() {
             Bvh2::default()
         } else {
-            build_bvh2_from_tris(&boxed, BvhBuildParams::medium_build(), &mut Duration::default())
+            build_bvh2_from_tris(
+                &boxed,
+                BvhBuildParams::medium_build(),
+                &mut Duration::default(),
+            )
         };
         let source = bvh.primitive_indices.clone();
         let order = || source.iter().map(|&i| i as usize);
         let tris = order().map(|i| Tri::new(soup.corners[i])).collect();
         let attributes = order().map(|i| soup.attributes[i]).collect();
-        Self { bvh, tris, attributes, source, colours: soup.colours }
+        Self {
+            bvh,
+            tris,
+            attributes,
+            source,
+            colours: soup.colours,
+        }
     }
 
     /// Bounds of all triangles; `None` when there are none.
@@ -192,7 +207,11 @@ impl Geometry {
     ) -> bool {
         !self.bvh.ray_traverse_miss(ray, |ray, i| {
             let t = self.tris[i].intersect(ray);
-            if t < ray.tmax && self.stopped(ray, i, &mut stops) { t } else { f32::INFINITY }
+            if t < ray.tmax && self.stopped(ray, i, &mut stops) {
+                t
+            } else {
+                f32::INFINITY
+            }
         })
     }
 
@@ -219,7 +238,11 @@ impl Geometry {
         Spot {
             place: place.into(),
             flat,
-            smooth: if smooth.length_squared() > 0.0 { smooth } else { flat },
+            smooth: if smooth.length_squared() > 0.0 {
+                smooth
+            } else {
+                flat
+            },
             uv: interpolate(w, attributes.uvs),
             colour: self
                 .colours
@@ -232,7 +255,10 @@ impl Geometry {
 
     /// Each triangle's corners and attributes, in leaf order.
     pub(crate) fn triangles(&self) -> impl Iterator<Item = ([Vec3A; 3], &Attributes)> {
-        self.tris.iter().zip(&self.attributes).map(|(t, a)| (t.vertices(), a))
+        self.tris
+            .iter()
+            .zip(&self.attributes)
+            .map(|(t, a)| (t.vertices(), a))
     }
 }
 

@@ -75,7 +75,10 @@ impl Lamp {
             if let Some(light) = node.light
                 && light.intensity.max_element() > 0.0
             {
-                lamps.push(Self { node: i, shape: Shape::Punctual(light) });
+                lamps.push(Self {
+                    node: i,
+                    shape: Shape::Punctual(light),
+                });
             }
             for primitive in primitives(scene, node) {
                 if lights_others(scene, primitive.material) {
@@ -100,10 +103,17 @@ impl Lamp {
         match &self.shape {
             Shape::Punctual(_) => Place {
                 position: pose.translation.into(),
-                axis: (pose.matrix3 * Vec3A::NEG_Z).normalize_or(Vec3A::NEG_Y).into(),
+                axis: (pose.matrix3 * Vec3A::NEG_Z)
+                    .normalize_or(Vec3A::NEG_Y)
+                    .into(),
                 total: 0.0,
             },
-            Shape::Emitter { centroid, area, total, .. } => {
+            Shape::Emitter {
+                centroid,
+                area,
+                total,
+                ..
+            } => {
                 // Area vectors transform by the cofactors.
                 let m = pose.matrix3;
                 let cofactors = glam::Mat3A::from_cols(
@@ -135,7 +145,11 @@ impl Lamp {
                 }),
                 LightKind::Point => {
                     let fall = falloff(d2, light.range)?;
-                    Some(Incoming { towards, distance, irradiance: light.intensity * fall })
+                    Some(Incoming {
+                        towards,
+                        distance,
+                        irradiance: light.intensity * fall,
+                    })
                 }
                 LightKind::Spot { inner, outer } => {
                     let (full, none) = (inner.cos(), outer.cos());
@@ -145,7 +159,11 @@ impl Lamp {
                     }
                     let cone = within.min(1.0).powi(2);
                     let fall = falloff(d2, light.range)? * cone;
-                    Some(Incoming { towards, distance, irradiance: light.intensity * fall })
+                    Some(Incoming {
+                        towards,
+                        distance,
+                        irradiance: light.intensity * fall,
+                    })
                 }
             },
             Shape::Emitter { radiance, .. } => {
@@ -155,7 +173,11 @@ impl Lamp {
                 let closed = (place.total - place.axis.length()).max(0.0) / 4.0;
                 // Near the light the solid angle saturates instead of growing without bound.
                 let solid = (facing + closed) / (d2 + place.total / std::f32::consts::PI);
-                Some(Incoming { towards, distance, irradiance: *radiance * solid })
+                Some(Incoming {
+                    towards,
+                    distance,
+                    irradiance: *radiance * solid,
+                })
             }
         }
     }
@@ -199,6 +221,11 @@ fn emitter(scene: &Scene, node: usize, primitive: &Primitive) -> Option<(f32, La
         return None;
     }
     let radiance = scene.materials[primitive.material].emissive;
-    let shape = Shape::Emitter { centroid: centroid / total, area, total, radiance };
+    let shape = Shape::Emitter {
+        centroid: centroid / total,
+        area,
+        total,
+        radiance,
+    };
     Some((radiance.max_element() * total, Lamp { node, shape }))
 }

@@ -55,7 +55,13 @@ impl<'a> Moment<'a> {
         let next = (knot + 1).min(world.epoch.knots.len() - 1);
         let (a, b) = (&world.epoch.knots[knot], &world.epoch.knots[next]);
         let camera = blend_cameras(&a.camera, &b.camera, f);
-        Self { world, knot, next, f, camera }
+        Self {
+            world,
+            knot,
+            next,
+            f,
+            camera,
+        }
     }
 
     /// The camera of the instant.
@@ -98,7 +104,9 @@ impl<'a> Moment<'a> {
         } else {
             let at = self.camera.eye + direction * hit.depth;
             hit.local = match usize::from(hit.object).checked_sub(1) {
-                Some(i) => self.inverse(self.world.object_frames[i]).transform_point3(at),
+                Some(i) => self
+                    .inverse(self.world.object_frames[i])
+                    .transform_point3(at),
                 None => at,
             };
         }
@@ -107,7 +115,10 @@ impl<'a> Moment<'a> {
 
     fn sample(&self, origin: Vec3, direction: Vec3, seed: u32) -> Hit {
         let mut shader = Shader::new(self, seed);
-        shader.rays = Rays { primary: 1, ..Rays::default() };
+        shader.rays = Rays {
+            primary: 1,
+            ..Rays::default()
+        };
         let along = self.camera.forward.dot(direction);
         match self.closest(origin, direction) {
             Some(struck) => {
@@ -142,7 +153,11 @@ impl<'a> Moment<'a> {
     /// World to frame.
     fn inverse(&self, frame: usize) -> Affine3A {
         let knots = &self.world.epoch.knots;
-        blend(&knots[self.knot].inverses[frame], &knots[self.next].inverses[frame], self.f)
+        blend(
+            &knots[self.knot].inverses[frame],
+            &knots[self.next].inverses[frame],
+            self.f,
+        )
     }
 
     /// The nearest surface that stops light.
@@ -201,7 +216,10 @@ impl<'a> Moment<'a> {
         let epoch = &self.world.epoch;
         if let Some(tree) = &epoch.tree {
             tree.ray_traverse(ray, &mut RayHit::none(), |ray, i| {
-                visit(ray, epoch.swept[tree.primitive_indices[i] as usize].0 as usize)
+                visit(
+                    ray,
+                    epoch.swept[tree.primitive_indices[i] as usize].0 as usize,
+                )
             });
         } else {
             for (mover, swept) in &epoch.swept {
@@ -226,30 +244,51 @@ impl<'a> Moment<'a> {
 
     fn struck(&self, spot: Spot, t: f32, direction: Vec3, inverse: Option<Affine3A>) -> Struck {
         let (place, local, to_world) = match inverse {
-            Some(inverse) => {
-                (inverse.inverse().transform_point3(spot.place), spot.place, inverse.matrix3)
-            }
+            Some(inverse) => (
+                inverse.inverse().transform_point3(spot.place),
+                spot.place,
+                inverse.matrix3,
+            ),
             None => {
                 let frame = usize::from(spot.object).checked_sub(1);
                 let local = frame.map_or(spot.place, |i| {
-                    self.inverse(self.world.object_frames[i]).transform_point3(spot.place)
+                    self.inverse(self.world.object_frames[i])
+                        .transform_point3(spot.place)
                 });
                 (spot.place, local, glam::Mat3A::IDENTITY)
             }
         };
         // Normals go by the transposed inverse.
         let normals = to_world.transpose();
-        let flat: Vec3 = (normals * Vec3A::from(spot.flat)).normalize_or(Vec3A::Y).into();
-        let smooth: Vec3 = (normals * Vec3A::from(spot.smooth)).normalize_or(flat.into()).into();
+        let flat: Vec3 = (normals * Vec3A::from(spot.flat))
+            .normalize_or(Vec3A::Y)
+            .into();
+        let smooth: Vec3 = (normals * Vec3A::from(spot.smooth))
+            .normalize_or(flat.into())
+            .into();
         let front = flat.dot(direction) < 0.0;
         let flat = if front { flat } else { -flat };
-        let smooth = if smooth.dot(flat) < 0.0 { -smooth } else { smooth };
-        Struck { t, place, local, flat, smooth, front, spot }
+        let smooth = if smooth.dot(flat) < 0.0 {
+            -smooth
+        } else {
+            smooth
+        };
+        Struck {
+            t,
+            place,
+            local,
+            flat,
+            smooth,
+            front,
+            spot,
+        }
     }
 
     fn opaque(&self, a: &Attributes, uv: Vec2) -> bool {
         let material = &self.world.scene.materials[a.material as usize];
-        let Some(cutoff) = material.alpha_cutoff else { return true };
+        let Some(cutoff) = material.alpha_cutoff else {
+            return true;
+        };
         let texture = material.base_texture.as_ref();
         let textures = &self.world.scene.textures;
         let opacity = texture.map_or(1.0, |t| self.world.sampler.sample(textures, t, uv).w);

@@ -28,7 +28,10 @@ pub(crate) struct Shader<'a> {
     /// Rays traced so far.
     pub(crate) rays: Rays,
     /// For effects that choose at random; none yet but the lens, which has chosen already.
-    #[expect(dead_code, reason = "area-light sampling takes its random numbers from here")]
+    #[expect(
+        dead_code,
+        reason = "area-light sampling takes its random numbers from here"
+    )]
     seed: u32,
 }
 
@@ -43,7 +46,11 @@ struct Response {
 
 impl<'a> Shader<'a> {
     pub(crate) fn new(moment: &'a Moment<'a>, seed: u32) -> Self {
-        Self { moment, rays: Rays::default(), seed }
+        Self {
+            moment,
+            rays: Rays::default(),
+            seed,
+        }
     }
 
     /// Radiance of the sky.
@@ -100,7 +107,10 @@ impl<'a> Shader<'a> {
         let spot = &struck.spot;
         let mut base = material.base_colour.truncate() * spot.colour.truncate();
         if let Some(texture) = &material.base_texture {
-            base *= world.sampler.sample(&world.scene.textures, texture, spot.uv).truncate();
+            base *= world
+                .sampler
+                .sample(&world.scene.textures, texture, spot.uv)
+                .truncate();
         }
         if let Some(procedural) = &material.procedural {
             base *= pattern(procedural, spot.uv);
@@ -112,7 +122,9 @@ impl<'a> Shader<'a> {
         let world = self.moment.world;
         match &material.emissive_texture {
             Some(texture) if material.emissive != Vec3::ZERO => {
-                let texel = world.sampler.sample(&world.scene.textures, texture, struck.spot.uv);
+                let texel = world
+                    .sampler
+                    .sample(&world.scene.textures, texture, struck.spot.uv);
                 material.emissive * texel.truncate()
             }
             _ => material.emissive,
@@ -123,7 +135,9 @@ impl<'a> Shader<'a> {
     fn direct(&mut self, s: &Struck, direction: Vec3, response: &Response, weight: Vec3) -> Vec3 {
         let mut sum = Vec3::ZERO;
         for (i, lamp) in self.moment.world.lamps.iter().enumerate() {
-            let Some(light) = lamp.incoming(&self.moment.lamp(i), s.place) else { continue };
+            let Some(light) = lamp.incoming(&self.moment.lamp(i), s.place) else {
+                continue;
+            };
             let cos = s.smooth.dot(light.towards);
             if cos <= 0.0 || s.flat.dot(light.towards) <= 0.0 {
                 continue;
@@ -163,7 +177,11 @@ impl<'a> Shader<'a> {
         weight: Vec3,
         tint: Vec3,
     ) -> Vec3 {
-        let eta = if s.front { 1.0 / material.ior.max(1.0) } else { material.ior.max(1.0) };
+        let eta = if s.front {
+            1.0 / material.ior.max(1.0)
+        } else {
+            material.ior.max(1.0)
+        };
         let cos = (-direction.dot(s.smooth)).max(0.0);
         let sin2 = eta * eta * (1.0 - cos * cos);
         let mut light = Vec3::ZERO;
@@ -201,15 +219,17 @@ impl Response {
     /// Reflected radiance for unit irradiance: the BRDF. All vectors point away from the surface.
     fn towards(&self, n: Vec3, view: Vec3, light: Vec3) -> Vec3 {
         let diffuse = self.albedo * FRAC_1_PI;
-        let Some(alpha) = self.alpha else { return diffuse };
+        let Some(alpha) = self.alpha else {
+            return diffuse;
+        };
         let half = (view + light).normalize_or(n);
         let (nv, nl) = (n.dot(view).max(1e-4), n.dot(light).max(1e-4));
         let (nh, vh) = (n.dot(half).max(0.0), view.dot(half).max(0.0));
         let a2 = alpha * alpha;
         let spread = nh * nh * (a2 - 1.0) + 1.0;
         let d = a2 / (PI * spread * spread).max(1e-9);
-        let smith = nl * (nv * nv * (1.0 - a2) + a2).sqrt()
-            + nv * (nl * nl * (1.0 - a2) + a2).sqrt();
+        let smith =
+            nl * (nv * nv * (1.0 - a2) + a2).sqrt() + nv * (nl * nl * (1.0 - a2) + a2).sqrt();
         diffuse + schlick(self.f0, vh) * (d * 0.5 / smith.max(1e-6))
     }
 }

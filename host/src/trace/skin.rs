@@ -26,10 +26,16 @@ impl Skinned {
     pub(crate) fn new(scene: &Scene) -> Option<Self> {
         let mut parts = Vec::new();
         for node in &scene.nodes {
-            let (Some(mesh), Some(skin)) = (node.mesh, node.skin) else { continue };
+            let (Some(mesh), Some(skin)) = (node.mesh, node.skin) else {
+                continue;
+            };
             for (primitive, p) in scene.meshes[mesh].primitives.iter().enumerate() {
                 if !p.indices.is_empty() {
-                    parts.push(Part { skin, mesh, primitive });
+                    parts.push(Part {
+                        skin,
+                        mesh,
+                        primitive,
+                    });
                 }
             }
         }
@@ -69,8 +75,9 @@ impl Skinned {
                 .zip(&skin.inverse_bind)
                 .map(|(&joint, bind)| Mat4::from(poses[joint]) * *bind)
                 .collect();
-            let moved: Vec<(Vec3A, Vec3)> =
-                (0..primitive.positions.len()).map(|v| vertex(primitive, v, &matrices)).collect();
+            let moved: Vec<(Vec3A, Vec3)> = (0..primitive.positions.len())
+                .map(|v| vertex(primitive, v, &matrices))
+                .collect();
             for t in &primitive.indices {
                 let t = t.map(|i| moved[i as usize]);
                 corners.push(t.map(|v| v.0));

@@ -5,14 +5,22 @@ use glam::Vec3;
 /// Linear light 0..=1 of an encoded value 0..=1.
 #[must_use]
 pub fn decode(encoded: f32) -> f32 {
-    if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+    if encoded <= 0.04045 {
+        encoded / 12.92
+    } else {
+        ((encoded + 0.055) / 1.055).powf(2.4)
+    }
 }
 
 /// Encoded value 0..=1 of linear light; clamps its argument to 0..=1 (NaN gives 0).
 #[must_use]
 pub fn encode(linear: f32) -> f32 {
     let linear = linear.max(0.0).min(1.0);
-    if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+    if linear <= 0.003_130_8 {
+        linear * 12.92
+    } else {
+        1.055 * linear.powf(1.0 / 2.4) - 0.055
+    }
 }
 
 /// The 8-bit code nearest to linear light, each channel clamped to 0..=1.

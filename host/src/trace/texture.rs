@@ -14,17 +14,33 @@ pub fn pattern(procedural: &Procedural, uv: Vec2) -> Vec3 {
     match *procedural {
         Procedural::Checker { size, other } => {
             let cell = (uv / size).floor();
-            if (cell.x + cell.y).rem_euclid(2.0) < 0.5 { Vec3::ONE } else { other }
+            if (cell.x + cell.y).rem_euclid(2.0) < 0.5 {
+                Vec3::ONE
+            } else {
+                other
+            }
         }
-        Procedural::Brick { size, joint, mortar } => {
+        Procedural::Brick {
+            size,
+            joint,
+            mortar,
+        } => {
             let row = (uv.y / size.y).floor();
             let shift = if row.rem_euclid(2.0) < 0.5 { 0.0 } else { 0.5 };
             let across = (uv.x / size.x + shift).rem_euclid(1.0) * size.x;
             let up = uv.y - row * size.y;
-            if across < joint || up < joint { mortar } else { Vec3::ONE }
+            if across < joint || up < joint {
+                mortar
+            } else {
+                Vec3::ONE
+            }
         }
         Procedural::Stripes { period, other } => {
-            if (uv.x / period).rem_euclid(1.0) < 0.5 { Vec3::ONE } else { other }
+            if (uv.x / period).rem_euclid(1.0) < 0.5 {
+                Vec3::ONE
+            } else {
+                other
+            }
         }
     }
 }
@@ -37,17 +53,29 @@ pub(crate) struct Sampler {
 
 impl Sampler {
     pub(crate) fn new() -> Self {
-        Self { linear: super::srgb::decode_table() }
+        Self {
+            linear: super::srgb::decode_table(),
+        }
     }
 
     /// Linear colour and opacity; filtering happens in linear light.
     pub(crate) fn sample(&self, textures: &[Texture], used: &TextureRef, uv: Vec2) -> Vec4 {
-        let Some(texture) = textures.get(used.texture) else { return Vec4::ONE };
+        let Some(texture) = textures.get(used.texture) else {
+            return Vec4::ONE;
+        };
         let uv = uv * used.scale + used.offset;
         let size = Vec2::new(texture.width as f32, texture.height as f32);
         let at = Vec2::new(
-            if texture.repeat_u { uv.x - uv.x.floor() } else { uv.x.clamp(0.0, 1.0) },
-            if texture.repeat_v { uv.y - uv.y.floor() } else { uv.y.clamp(0.0, 1.0) },
+            if texture.repeat_u {
+                uv.x - uv.x.floor()
+            } else {
+                uv.x.clamp(0.0, 1.0)
+            },
+            if texture.repeat_v {
+                uv.y - uv.y.floor()
+            } else {
+                uv.y.clamp(0.0, 1.0)
+            },
         ) * size
             - 0.5;
         let corner = at.floor();
@@ -101,18 +129,31 @@ mod tests {
     }
 
     fn at(t: Texture, u: f32, v: f32) -> Vec4 {
-        let used = TextureRef { texture: 0, scale: Vec2::ONE, offset: Vec2::ZERO };
+        let used = TextureRef {
+            texture: 0,
+            scale: Vec2::ONE,
+            offset: Vec2::ZERO,
+        };
         Sampler::new().sample(&[t], &used, Vec2::new(u, v))
     }
 
     #[test]
     fn texel_centres_are_exact_and_rows_run_down() {
         for repeat in [false, true] {
-            assert_eq!(at(texture(repeat), 0.25, 0.25), Vec4::new(0.0, 0.0, 0.0, 1.0));
+            assert_eq!(
+                at(texture(repeat), 0.25, 0.25),
+                Vec4::new(0.0, 0.0, 0.0, 1.0)
+            );
             assert_eq!(at(texture(repeat), 0.75, 0.25), Vec4::ONE);
-            assert_eq!(at(texture(repeat), 0.25, 0.75), Vec4::new(1.0, 0.0, 0.0, 0.0));
+            assert_eq!(
+                at(texture(repeat), 0.25, 0.75),
+                Vec4::new(1.0, 0.0, 0.0, 0.0)
+            );
         }
-        assert_eq!(at(texture(true), 1.25, -0.25), Vec4::new(1.0, 0.0, 0.0, 0.0));
+        assert_eq!(
+            at(texture(true), 1.25, -0.25),
+            Vec4::new(1.0, 0.0, 0.0, 0.0)
+        );
     }
 
     #[test]
@@ -133,7 +174,11 @@ mod tests {
         assert_eq!(pattern(&checker, Vec2::new(-0.25, 0.25)), other);
         let stripes = Procedural::Stripes { period: 1.0, other };
         assert_eq!(pattern(&stripes, Vec2::new(-0.25, 9.0)), other);
-        let brick = Procedural::Brick { size: Vec2::new(0.4, 0.2), joint: 0.02, mortar: other };
+        let brick = Procedural::Brick {
+            size: Vec2::new(0.4, 0.2),
+            joint: 0.02,
+            mortar: other,
+        };
         assert_eq!(pattern(&brick, Vec2::new(0.01, 0.1)), other);
         assert_eq!(pattern(&brick, Vec2::new(0.2, 0.1)), Vec3::ONE);
         // The next row is shifted by half a brick.

@@ -95,10 +95,12 @@ impl World {
         let mut skin = Soup::default();
         if let Some(skinned) = &skinned {
             let owners: Vec<_> = skinned.owners(&scene).collect();
-            let object_of =
-                joint_objects(&scene, owners.iter().flat_map(|o| &o.1), &mut frames, |frame| {
-                    next_object(&mut object_frames, frame)
-                });
+            let object_of = joint_objects(
+                &scene,
+                owners.iter().flat_map(|o| &o.1),
+                &mut frames,
+                |frame| next_object(&mut object_frames, frame),
+            );
             for (primitive, owner) in owners {
                 add(&scene, primitive, &Affine3A::IDENTITY, &mut skin);
                 let first = skin.attributes.len() - owner.len();
@@ -109,12 +111,22 @@ impl World {
             skinned.pose(&scene, &poses, &mut skin.corners, &mut Vec::new());
         }
 
-        let camera = scene.nodes.iter().enumerate().find_map(|(i, n)| Some((i, n.camera?)));
-        let epoch = Epoch { knots: Vec::new(), swept: Vec::new(), tree: None };
+        let camera = scene
+            .nodes
+            .iter()
+            .enumerate()
+            .find_map(|(i, n)| Some((i, n.camera?)));
+        let epoch = Epoch {
+            knots: Vec::new(),
+            swept: Vec::new(),
+            tree: None,
+        };
         let mut world = Self {
             size,
             sampler: Sampler::new(),
-            glowing: (0..scene.materials.len()).map(|m| lights_others(&scene, m)).collect(),
+            glowing: (0..scene.materials.len())
+                .map(|m| lights_others(&scene, m))
+                .collect(),
             fixed: Geometry::new(fixed),
             movers: movers.into_iter().map(Geometry::new).collect(),
             frames,
@@ -162,7 +174,10 @@ impl World {
             return Aabb::new(Vec3A::NEG_ONE, Vec3A::ONE);
         }
         let empty = Aabb::new(Vec3A::ZERO, Vec3A::ZERO);
-        self.object_bounds.get(usize::from(object)).copied().unwrap_or(empty)
+        self.object_bounds
+            .get(usize::from(object))
+            .copied()
+            .unwrap_or(empty)
     }
 
     /// The camera at any instant, seconds.
@@ -196,9 +211,13 @@ impl World {
     pub fn moves(&self) -> Motion {
         let joints = self.movers.len()..self.frames.len();
         Motion {
-            view: self.camera.is_some_and(|(node, _)| self.animation.moves(node)),
+            view: self
+                .camera
+                .is_some_and(|(node, _)| self.animation.moves(node)),
             objects: !self.movers.is_empty()
-                || self.frames[joints].iter().any(|&node| self.animation.moves(node)),
+                || self.frames[joints]
+                    .iter()
+                    .any(|&node| self.animation.moves(node)),
             lights: self.lamps.iter().any(|l| l.moves(&self.animation)),
         }
     }
@@ -227,7 +246,11 @@ impl World {
                 time,
                 camera,
                 inverses: frames.iter().map(inverse_or_zero).collect(),
-                lamps: self.lamps.iter().map(|l| l.place(&self.poses)).collect::<Vec<Place>>(),
+                lamps: self
+                    .lamps
+                    .iter()
+                    .map(|l| l.place(&self.poses))
+                    .collect::<Vec<Place>>(),
             });
             frame_poses.push(frames);
         }
@@ -235,10 +258,15 @@ impl World {
             let poses = frame_poses.iter().map(|frames| frames[i]);
             Some((i as u32, sweep(&mover.bounds()?, poses)?))
         });
-        self.epoch = Epoch { knots, swept: swept.collect(), tree: None };
+        self.epoch = Epoch {
+            knots,
+            swept: swept.collect(),
+            tree: None,
+        };
         self.epoch.index();
         if let Some(skinned) = &self.skinned {
-            self.animation.world_all(&self.scene, 0.5 * (t0 + t1), &mut self.poses);
+            self.animation
+                .world_all(&self.scene, 0.5 * (t0 + t1), &mut self.poses);
             let (mut corners, mut normals) = (Vec::new(), Vec::new());
             skinned.pose(&self.scene, &self.poses, &mut corners, &mut normals);
             self.skin.refit(&corners, &normals);
@@ -273,7 +301,9 @@ impl World {
         let origin = Aabb::new(Vec3A::ZERO, Vec3A::ZERO);
         let mut bounds = vec![self.fixed.bounds()];
         bounds.extend(
-            self.object_frames.iter().map(|&f| self.movers.get(f).and_then(Geometry::bounds)),
+            self.object_frames
+                .iter()
+                .map(|&f| self.movers.get(f).and_then(Geometry::bounds)),
         );
         if let Some(skinned) = &self.skinned {
             let (mut corners, mut normals, mut poses) = (Vec::new(), Vec::new(), Vec::new());
@@ -295,8 +325,7 @@ impl World {
             }
             for (object, slot) in bounds.iter_mut().enumerate() {
                 if let Some(b) = slot
-                    && (object == 0
-                        || self.object_frames[object - 1] >= self.movers.len())
+                    && (object == 0 || self.object_frames[object - 1] >= self.movers.len())
                 {
                     let pad = b.diagonal() * 0.1;
                     *slot = Some(Aabb::new(b.min - pad, b.max + pad));
@@ -308,8 +337,11 @@ impl World {
 }
 
 /// Seen through when the scene has no camera.
-const DEFAULT_LENS: Lens =
-    Lens { yfov: std::f32::consts::FRAC_PI_3, aperture: 0.0, focus: f32::INFINITY };
+const DEFAULT_LENS: Lens = Lens {
+    yfov: std::f32::consts::FRAC_PI_3,
+    aperture: 0.0,
+    focus: f32::INFINITY,
+};
 
 /// The id for a frame, or 0 when ids are used up.
 fn next_object(object_frames: &mut Vec<usize>, frame: usize) -> u8 {
@@ -321,7 +353,11 @@ fn next_object(object_frames: &mut Vec<usize>, frame: usize) -> u8 {
 }
 
 fn inverse_or_zero(pose: &Affine3A) -> Affine3A {
-    if pose.matrix3.determinant().is_normal() { pose.inverse() } else { Affine3A::ZERO }
+    if pose.matrix3.determinant().is_normal() {
+        pose.inverse()
+    } else {
+        Affine3A::ZERO
+    }
 }
 
 /// Static triangles in world coordinates, and those of each carrier in its coordinates.
@@ -333,7 +369,9 @@ fn rigid_parts(
     let mut fixed = Soup::default();
     let mut movers: Vec<(usize, Soup)> = Vec::new();
     for (i, node) in scene.nodes.iter().enumerate() {
-        let (Some(mesh), None) = (node.mesh, node.skin) else { continue };
+        let (Some(mesh), None) = (node.mesh, node.skin) else {
+            continue;
+        };
         let (soup, pose) = match animation.carrier(i) {
             None => (&mut fixed, poses[i]),
             Some(carrier) => {
@@ -385,7 +423,8 @@ fn add(scene: &Scene, primitive: &Primitive, pose: &Affine3A, soup: &mut Soup) {
             colours = soup.colours.len() as u32;
             soup.colours.push(t.map(|v| primitive.colours[v]));
         }
-        soup.corners.push(t.map(|v| pose.transform_point3(primitive.positions[v]).into()));
+        soup.corners
+            .push(t.map(|v| pose.transform_point3(primitive.positions[v]).into()));
         soup.attributes.push(Attributes {
             normals: t.map(normal),
             uvs: t.map(|v| primitive.uvs.get(v).copied().unwrap_or(Vec2::ZERO)),
@@ -417,7 +456,9 @@ fn joint_objects<'a>(
     for &node in &joints {
         let mut at = node;
         while ids[at] == 0 {
-            let Some(parent) = scene.nodes[at].parent else { break };
+            let Some(parent) = scene.nodes[at].parent else {
+                break;
+            };
             at = parent;
         }
         ids[node] = ids[at];

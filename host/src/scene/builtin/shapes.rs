@@ -14,7 +14,10 @@ pub(super) struct Shape(Primitive);
 impl Shape {
     /// An empty shape of a material.
     pub(super) fn of(material: usize) -> Self {
-        Self(Primitive { material, ..Primitive::default() })
+        Self(Primitive {
+            material,
+            ..Primitive::default()
+        })
     }
 
     /// The finished primitive.
@@ -35,7 +38,9 @@ impl Shape {
         let (lu, lv) = (u.length(), v.length());
         let i = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
             .map(|(a, b)| self.vertex(corner + u * a + v * b, normal, Vec2::new(lu * a, lv * b)));
-        self.0.indices.extend([[i[0], i[1], i[2]], [i[0], i[2], i[3]]]);
+        self.0
+            .indices
+            .extend([[i[0], i[1], i[2]], [i[0], i[2], i[3]]]);
         self
     }
 
@@ -73,7 +78,9 @@ impl Shape {
         }
         for i in 0..sides {
             let k = first + 2 * i;
-            self.0.indices.extend([[k, k + 2, k + 3], [k, k + 3, k + 1]]);
+            self.0
+                .indices
+                .extend([[k, k + 2, k + 3], [k, k + 3, k + 1]]);
         }
         self
     }
@@ -126,25 +133,19 @@ impl Shape {
     }
 
     /// A ring (torus) around `centre` in the plane across `axis`.
-    pub(super) fn ring(self, centre: Vec3, axis: Vec3, radius: f32, tube: f32, facets: u32) -> Self {
-        self.arc(centre, axis, radius, tube, facets, 0.0..TAU)
-    }
-
-    /// Part of a ring, between two angles from the first vector across the axis.
-    pub(super) fn arc(
+    pub(super) fn ring(
         mut self,
         centre: Vec3,
         axis: Vec3,
         radius: f32,
         tube: f32,
         facets: u32,
-        angles: std::ops::Range<f32>,
     ) -> Self {
         let (p, q) = axis.any_orthonormal_pair();
         let sides = 8;
         let first = self.0.positions.len() as u32;
         for i in 0..=facets {
-            let at = angles.start + (angles.end - angles.start) * i as f32 / facets as f32;
+            let at = TAU * i as f32 / facets as f32;
             let out = p * at.cos() + q * at.sin();
             for k in 0..=sides {
                 let around = TAU * k as f32 / sides as f32;
@@ -160,6 +161,43 @@ impl Shape {
                 self.0.indices.extend([[a, b, b + 1], [a, b + 1, a + 1]]);
             }
         }
+        self
+    }
+
+    /// A half ring with a square section in the plane of x and y, standing on both ends:
+    /// an arch with its middle at `centre`. u runs along it.
+    pub(super) fn arch(mut self, centre: Vec3, radius: f32, half: f32, facets: u32) -> Self {
+        let section = [(-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (1.0, 1.0)];
+        for side in 0..4 {
+            let [(r0, z0), (r1, z1)] = [section[side], section[(side + 1) % 4]];
+            let first = self.0.positions.len() as u32;
+            for i in 0..=facets {
+                let angle = PI * i as f32 / facets as f32;
+                let out = Vec3::new(angle.cos(), angle.sin(), 0.0);
+                let normal = out * (r0 + r1) * 0.5 + Vec3::Z * (z0 + z1) * 0.5;
+                for (v, r, z) in [(0.0, r0, z0), (2.0 * half, r1, z1)] {
+                    let at = centre + out * (radius + half * r) + Vec3::Z * (half * z);
+                    self.vertex(at, normal, Vec2::new(angle * radius, v));
+                }
+            }
+            for k in (0..facets).map(|i| first + 2 * i) {
+                self.0
+                    .indices
+                    .extend([[k, k + 1, k + 3], [k, k + 3, k + 2]]);
+            }
+        }
+        self
+    }
+
+    /// Takes in another shape; its material is forgotten.
+    pub(super) fn with(mut self, other: Shape) -> Self {
+        let first = self.0.positions.len() as u32;
+        self.0.positions.extend(other.0.positions);
+        self.0.normals.extend(other.0.normals);
+        self.0.uvs.extend(other.0.uvs);
+        self.0
+            .indices
+            .extend(other.0.indices.iter().map(|t| t.map(|i| i + first)));
         self
     }
 
@@ -185,7 +223,10 @@ mod tests {
             Shape::of(0).cone(Vec3::ZERO, Vec3::Y, 0.5, 0.0, 7),
             Shape::of(0).disc(Vec3::Y, Vec3::NEG_X, 0.5, 7),
             Shape::of(0).ring(Vec3::Y, Vec3::Z, 1.0, 0.1, 12),
-            Shape::of(0).quad(Vec3::Y, Vec3::Z, Vec3::X).turned(Quat::from_rotation_x(0.3)),
+            Shape::of(0).arch(Vec3::Y, 1.0, 0.2, 12),
+            Shape::of(0)
+                .quad(Vec3::Y, Vec3::Z, Vec3::X)
+                .turned(Quat::from_rotation_x(0.3)),
         ];
         for shape in shapes {
             let p = shape.done();

@@ -22,12 +22,21 @@ pub(super) struct View {
 
 /// Shorthand for a viewpoint.
 pub(super) fn view(at: f32, eye: [f32; 3], target: [f32; 3]) -> View {
-    View { at, eye: eye.into(), target: target.into() }
+    View {
+        at,
+        eye: eye.into(),
+        target: target.into(),
+    }
 }
 
 impl Stage {
     pub(super) fn new(name: &str, duration: f64, sky: Sky) -> Self {
-        Self(Scene { name: name.into(), duration, sky, ..Scene::default() })
+        Self(Scene {
+            name: name.into(),
+            duration,
+            sky,
+            ..Scene::default()
+        })
     }
 
     pub(super) fn done(self) -> Scene {
@@ -42,7 +51,11 @@ impl Stage {
     /// A matt material.
     pub(super) fn matt(&mut self, name: &str, colour: [f32; 3]) -> usize {
         let base_colour = Vec3::from(colour).extend(1.0);
-        self.material(Material { name: name.into(), base_colour, ..Material::default() })
+        self.material(Material {
+            name: name.into(),
+            base_colour,
+            ..Material::default()
+        })
     }
 
     /// A matt material with a pattern.
@@ -62,7 +75,12 @@ impl Stage {
 
     /// A node without anything on it.
     pub(super) fn node(&mut self, name: &str, parent: Option<usize>, at: Vec3) -> usize {
-        let node = Node { name: name.into(), parent, translation: at, ..Node::default() };
+        let node = Node {
+            name: name.into(),
+            parent,
+            translation: at,
+            ..Node::default()
+        };
         self.0.nodes.push(node);
         self.0.nodes.len() - 1
     }
@@ -75,7 +93,10 @@ impl Stage {
         at: Vec3,
         primitives: Vec<Primitive>,
     ) -> usize {
-        self.0.meshes.push(Mesh { name: name.into(), primitives });
+        self.0.meshes.push(Mesh {
+            name: name.into(),
+            primitives,
+        });
         let node = self.node(name, parent, at);
         self.0.nodes[node].mesh = Some(self.0.meshes.len() - 1);
         node
@@ -108,14 +129,22 @@ impl Stage {
         interpolation: Interpolation,
     ) {
         let period = self.0.duration as f32;
-        self.0.channels.push(Channel { node, track, times, interpolation, period });
+        self.0.channels.push(Channel {
+            node,
+            track,
+            times,
+            interpolation,
+            period,
+        });
     }
 
     /// Turns a node steadily about an axis of its own, `turns` whole times a loop.
     pub(super) fn spin(&mut self, node: usize, axis: Vec3, turns: i32) {
         // Slerp goes the short way: keys a quarter turn apart are safe.
         let keys = 4 * turns.unsigned_abs().max(1);
-        let times = (0..=keys).map(|i| self.0.duration as f32 * i as f32 / keys as f32).collect();
+        let times = (0..=keys)
+            .map(|i| self.0.duration as f32 * i as f32 / keys as f32)
+            .collect();
         let step = std::f32::consts::FRAC_PI_2 * turns.signum() as f32;
         let rotations = (0..=keys).map(|i| Quat::from_axis_angle(axis, step * i as f32));
         let track = Track::Rotation(rotations.collect());
@@ -128,7 +157,11 @@ impl Stage {
     pub(super) fn camera(&mut self, views: &[View], full_stops: bool) {
         let node = self.node("camera", None, Vec3::ZERO);
         let yfov = std::f32::consts::FRAC_PI_3;
-        self.0.nodes[node].camera = Some(Lens { yfov, aperture: 0.0, focus: 1.0 });
+        self.0.nodes[node].camera = Some(Lens {
+            yfov,
+            aperture: 0.0,
+            focus: 1.0,
+        });
         let times: Vec<f32> = views.iter().map(|v| v.at).collect();
         let eyes: Vec<Vec3> = views.iter().map(|v| v.eye).collect();
         let mut turns: Vec<Quat> = views.iter().map(|v| towards(v.target - v.eye)).collect();
@@ -147,8 +180,16 @@ impl Stage {
             let n = times.len();
             let loops = eyes[0] == eyes[n - 1] && turns[0].dot(turns[n - 1]).abs() > 0.999_999;
             let (before, after) = (
-                if i > 0 { (i - 1, 0.0) } else { (n - 2, -times[n - 1]) },
-                if i + 1 < n { (i + 1, 0.0) } else { (1, times[n - 1]) },
+                if i > 0 {
+                    (i - 1, 0.0)
+                } else {
+                    (n - 2, -times[n - 1])
+                },
+                if i + 1 < n {
+                    (i + 1, 0.0)
+                } else {
+                    (1, times[n - 1])
+                },
             );
             if full_stops || !loops && (i == 0 || i + 1 == n) {
                 return (Vec3::ZERO, Quat::from_xyzw(0.0, 0.0, 0.0, 0.0));
@@ -188,9 +229,17 @@ mod tests {
     #[test]
     fn the_camera_looks_at_its_target_and_stands_between_equal_views() {
         let mut stage = Stage::new("t", 3.0, Sky::default());
-        let (a, b) = (([1.0, 2.0, 3.0], [0.0, 0.5, -4.0]), ([2.0, 2.0, 2.0], [9.0, 2.0, 2.0]));
+        let (a, b) = (
+            ([1.0, 2.0, 3.0], [0.0, 0.5, -4.0]),
+            ([2.0, 2.0, 2.0], [9.0, 2.0, 2.0]),
+        );
         stage.camera(
-            &[view(0.0, a.0, a.1), view(1.0, a.0, a.1), view(2.0, b.0, b.1), view(3.0, a.0, a.1)],
+            &[
+                view(0.0, a.0, a.1),
+                view(1.0, a.0, a.1),
+                view(2.0, b.0, b.1),
+                view(3.0, a.0, a.1),
+            ],
             true,
         );
         let scene = stage.done();
@@ -199,7 +248,10 @@ mod tests {
             let pose = animation.world(&scene, 0, t);
             let forward = pose.transform_vector3(Vec3::NEG_Z);
             let wanted = (Vec3::from(target) - Vec3::from(eye)).normalize();
-            assert!((forward - wanted).length() < 1e-5, "{t}: {forward} {wanted}");
+            assert!(
+                (forward - wanted).length() < 1e-5,
+                "{t}: {forward} {wanted}"
+            );
             assert!((Vec3::from(pose.translation) - Vec3::from(eye)).length() < 1e-5);
             assert!(pose.transform_vector3(Vec3::X).y.abs() < 1e-5, "level");
         }
