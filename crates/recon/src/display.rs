@@ -17,7 +17,7 @@ use unframed_wire::{
 };
 
 /// 8-bit codes as they are, spread over 16 bits.
-static ENCODED: [u16; 256] = {
+pub static ENCODED: [u16; 256] = {
     let mut table = [0; 256];
     let mut c = 0;
     while c < 256 {

@@ -130,7 +130,7 @@ pub static SRGB_TO_LINEAR: [u16; 256] = {
 
 /// The least linear light that rounds to each sRGB code, by the code's lower half step; entry 0
 /// is 0.
-static SRGB_FROM: [u16; 256] = {
+pub static SRGB_FROM: [u16; 256] = {
     let mut table = [0; 256];
     let mut c = 1;
     while c < 256 {
@@ -153,7 +153,7 @@ static SRGB_FROM: [u16; 256] = {
 };
 
 /// A lower bound of the sRGB code of each top 12 bits of linear light.
-static SRGB_GUESS: [u8; 4096] = {
+pub static SRGB_GUESS: [u8; 4096] = {
     let mut table = [0; 4096];
     let mut code = 0;
     let mut i = 0;

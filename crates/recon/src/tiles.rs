@@ -55,9 +55,15 @@ pub struct TileMap<'a> {
 impl<'a> TileMap<'a> {
     /// A map of a panel of this size; `None` when there are not enough cells.
     pub fn new(cells: &'a mut [Cell], width: u16, height: u16) -> Option<Self> {
+        let mut map = Self::resume(cells, width, height)?;
+        map.clear();
+        Some(map)
+    }
+
+    /// The map that these cells hold, as one of the same size left them.
+    pub fn resume(cells: &'a mut [Cell], width: u16, height: u16) -> Option<Self> {
         let (columns, rows) = (cells_along(width), cells_along(height));
         let cells = cells.get_mut(..columns * rows)?;
-        cells.fill(Cell::default());
         Some(Self {
             cells,
             columns,
