@@ -250,7 +250,9 @@ mod tests {
             intensity: Vec3::ONE,
             range: f32::INFINITY,
         };
-        let cases: [(&dyn Fn(&mut Scene), &[&str], &str); 11] = [
+        // What is done to the scene, the effects that it then calls for, whom the last one names.
+        type Case<'a> = (&'a dyn Fn(&mut Scene), &'a [&'a str], &'a str);
+        let cases: [Case<'_>; 11] = [
             (
                 &|s| s.nodes[0].light = Some(light(LightKind::Point)),
                 &["direct_light", "hard_shadows"],

@@ -43,7 +43,9 @@ pub fn open(scene: &str, clip: Option<&str>) -> Result<Loaded, OpenError> {
     let path = Path::new(scene);
     // What looks like a file gets the system's reason; a bare word, the list of names.
     if path.extension().is_none() && path.components().count() < 2 && !path.exists() {
-        return Err(OpenError::Unknown { name: scene.to_owned() });
+        return Err(OpenError::Unknown {
+            name: scene.to_owned(),
+        });
     }
     Ok(gltf::load(path, clip)?)
 }

@@ -1,7 +1,7 @@
 //! What a file leaves open, so that any file shows something: a camera that frames the scene and
 //! orbits it, a neutral sky, the distance in focus, a sensible exposure of its lights.
 
-use super::error::Warnings;
+use super::error::{Fault, Warnings};
 use crate::scene::animate::Animation;
 use crate::scene::{Channel, Interpolation, Lens, Light, LightKind, Node, Scene, Sky, Track};
 use glam::{Quat, Vec3};
@@ -24,7 +24,7 @@ const NEUTRAL_SKY: Sky = Sky {
     ambient: Vec3::new(0.28, 0.30, 0.33),
 };
 /// Stands for the light between surfaces, which is not traced, where a file has its own lights.
-const INDIRECT_AMBIENT: f32 = 0.05;
+const INDIRECT_AMBIENT: f32 = 0.1;
 /// Irradiance at the centre of the scene above which punctual lights are taken to be in
 /// photometric units (lux of daylight, candela of lamps) and are scaled down, W/m². At π a white
 /// surface shows as white; a lamp near a small scene may well be a few times that.
@@ -32,59 +32,63 @@ const BRIGHTEST_IRRADIANCE: f32 = 8.0 * PI;
 /// Instants at which an animated scene is measured.
 const MEASURED_INSTANTS: usize = 24;
 
-/// The box around all triangles, at all of some instants of the animation.
-pub(super) fn bounds(scene: &Scene, animation: &Animation) -> (Vec3, Vec3) {
+/// Shows every vertex in the world, at all of some instants of the animation.
+fn vertices(scene: &Scene, animation: &Animation, mut show: impl FnMut(Vec3)) {
     let moving = (0..scene.nodes.len()).any(|node| animation.moves(node));
     let instants = if moving { MEASURED_INSTANTS } else { 1 };
-    let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    let mut include = |p: Vec3| (low, high) = (low.min(p), high.max(p));
     let mut worlds = Vec::new();
     for instant in 0..instants {
         let t = scene.duration * instant as f64 / instants as f64;
         animation.world_all(scene, t, &mut worlds);
-        for (index, node) in scene.nodes.iter().enumerate() {
+        for (node, world) in scene.nodes.iter().zip(&worlds) {
             let Some(mesh) = node.mesh.map(|mesh| &scene.meshes[mesh]) else {
                 continue;
             };
             let skin = node.skin.map(|skin| &scene.skins[skin]);
-            for primitive in &mesh.primitives {
-                match skin.filter(|_| !primitive.joints.is_empty()) {
-                    None => primitive
-                        .positions
+            for p in &mesh.primitives {
+                let Some(skin) = skin.filter(|_| !p.joints.is_empty()) else {
+                    p.positions
                         .iter()
-                        .for_each(|&p| include(worlds[index].transform_point3(p))),
+                        .for_each(|&v| show(world.transform_point3(v)));
+                    continue;
+                };
+                for ((&v, joints), weights) in p.positions.iter().zip(&p.joints).zip(&p.weights) {
                     // Linear blend skinning, glTF 2.0 §3.7.3.3: the node itself has no say.
-                    Some(skin) => {
-                        for (i, &p) in primitive.positions.iter().enumerate() {
-                            let mut posed = Vec3::ZERO;
-                            for (&joint, &weight) in
-                                primitive.joints[i].iter().zip(&primitive.weights[i])
-                            {
-                                let joint = usize::from(joint);
-                                let bound = skin.inverse_bind[joint].transform_point3(p);
-                                let world = &worlds[skin.joints[joint]];
-                                posed += world.transform_point3(bound) * weight;
-                            }
-                            include(posed);
-                        }
-                    }
+                    let influence = |(&joint, &weight): (&u16, &f32)| {
+                        let joint = usize::from(joint);
+                        let bound = skin.inverse_bind[joint].transform_point3(v);
+                        worlds[skin.joints[joint]].transform_point3(bound) * weight
+                    };
+                    show(joints.iter().zip(weights).map(influence).sum());
                 }
             }
         }
     }
+}
+
+/// The box around all vertices over the animation.
+pub(super) fn bounds(scene: &Scene, animation: &Animation) -> (Vec3, Vec3) {
+    let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    vertices(scene, animation, |p| {
+        (low, high) = (low.min(p), high.max(p))
+    });
     (low, high)
 }
 
-/// Completes a scene. `own_sky` says that the file brought its sky, and with it its exposure.
+/// Completes a scene; a fault if it has no finite size. `own_sky` says that the file brought its sky, and with it its exposure.
 pub(super) fn complete(
     scene: &mut Scene,
     own_sky: bool,
     focus_missing: bool,
     orthographic: Option<f32>,
     warnings: &mut Warnings,
-) {
+) -> Result<(), Fault> {
     let animation = Animation::new(scene);
     let (low, high) = bounds(scene, &animation);
+    if !((high - low).is_finite() && (high - low).length().is_finite()) {
+        let reason = "its vertices leave the range of numbers; check the scales of its nodes";
+        return Err(Fault::new("scene", reason));
+    }
     let centre = (low + high) * 0.5;
     let camera = scene.nodes.iter().position(|node| node.camera.is_some());
     match camera {
@@ -103,7 +107,7 @@ pub(super) fn complete(
                 }
             }
         }
-        None => orbit(scene, low, high),
+        None => orbit(scene, &animation, low, high),
     }
     if !own_sky {
         light(
@@ -114,22 +118,26 @@ pub(super) fn complete(
             warnings,
         );
     }
+    Ok(())
 }
 
 /// Adds a camera that turns once around the scene in [`ORBIT_SECONDS`].
-fn orbit(scene: &mut Scene, low: Vec3, high: Vec3) {
+fn orbit(scene: &mut Scene, animation: &Animation, low: Vec3, high: Vec3) {
     let centre = (low + high) * 0.5;
-    let half = (high - low) * 0.5;
-    // The nearest distance at which every corner is in view from every direction.
+    let half_height = (high.y - low.y) * 0.5;
+    // What turns is seen as an upright cylinder; the nearest distance at which its rims are in
+    // view is the same from every direction.
+    let mut radius = 0.0_f32;
+    vertices(scene, animation, |p| {
+        radius = radius.max((p - centre).with_y(0.0).length());
+    });
     let slope = (ORBIT_YFOV * 0.5).tan();
+    let seen = Quat::from_rotation_x(ORBIT_ELEVATION);
     let mut distance = 1e-3_f32;
-    for step in 0..36 {
-        let rotation = Quat::from_rotation_y(TAU * step as f32 / 36.0)
-            * Quat::from_rotation_x(-ORBIT_ELEVATION);
-        let seen = rotation.inverse();
-        for corner in 0..8 {
-            let sign = |bit: u32| if corner & bit == 0 { -1.0 } else { 1.0 };
-            let p = seen * (half * Vec3::new(sign(1), sign(2), sign(4)));
+    for step in 0..64 {
+        let (z, x) = (TAU * step as f32 / 64.0).sin_cos();
+        for y in [-half_height, half_height] {
+            let p = seen * Vec3::new(radius * x, y, radius * z);
             distance = distance.max(p.z + p.x.abs().max(p.y.abs()) / slope);
         }
     }

@@ -98,8 +98,7 @@ fn convert(source: &Source, file: &Path, clip: Option<&str>) -> Result<Loaded, L
             )?),
         };
     let mut warnings = Warnings::default();
-    let (scene, extras) = assemble(source, only, file, &mut warnings).map_err(content)?;
-    let mut scene = scene;
+    let (mut scene, open) = assemble(source, only, file, &mut warnings).map_err(content)?;
     if !scene.nodes.iter().any(|n| {
         n.mesh
             .is_some_and(|m| !scene.meshes[m].primitives.is_empty())
@@ -110,11 +109,12 @@ fn convert(source: &Source, file: &Path, clip: Option<&str>) -> Result<Loaded, L
     }
     dress::complete(
         &mut scene,
-        extras.own_sky,
-        extras.focus_missing,
-        extras.orthographic,
+        open.own_sky,
+        open.focus_missing,
+        open.orthographic,
         &mut warnings,
-    );
+    )
+    .map_err(content)?;
     Ok(Loaded {
         scene,
         warnings: warnings.0,

@@ -5,14 +5,14 @@
 //! `extras`: the medium, and the sky under `unframed`. Each period of the animation becomes a
 //! clip, padded so that other programs loop it at the same length.
 
+mod animation;
 mod bake;
 mod buffer;
+mod material;
 
-use crate::scene::{
-    Channel, Interpolation, LightKind, Material, Node, Primitive, Scene, TextureRef, Track,
-};
+use crate::scene::{LightKind, Node, Primitive, Scene};
 use buffer::{Buffer, Component};
-use glam::{Quat, Vec3};
+use glam::Vec3;
 use serde_json::{Value, json};
 
 /// Why a scene cannot be written as glTF.
@@ -167,116 +167,6 @@ struct Writer {
 }
 
 impl Writer {
-    fn material(&mut self, scene: &Scene, material: &Material) -> Result<(), ExportError> {
-        let mut pbr = json!({
-            "baseColorFactor": material.base_colour.to_array(),
-            "metallicFactor": material.metallic,
-            "roughnessFactor": material.roughness,
-        });
-        match (&material.base_texture, &material.procedural) {
-            (Some(_), Some(_)) => return Err(ExportError::TwoTextures(material.name.clone())),
-            (Some(texture), None) => {
-                pbr["baseColorTexture"] = self.texture_ref(scene, texture)?;
-            }
-            (None, Some(pattern)) => {
-                let baked = bake::bake(pattern, material.base_colour.truncate());
-                let texture = self.image(&material.name, baked.size, &baked.rgba, true, true)?;
-                pbr["baseColorTexture"] = self.transformed(texture, baked.scale, glam::Vec2::ZERO);
-                pbr["baseColorFactor"] = json!([1.0, 1.0, 1.0, material.base_colour.w]);
-            }
-            (None, None) => {}
-        }
-        let mut extensions = serde_json::Map::new();
-        let strength = material.emissive.max_element().max(1.0);
-        if strength > 1.0 {
-            let value = json!({ "emissiveStrength": strength });
-            extensions.insert("KHR_materials_emissive_strength".into(), value);
-            self.extensions.push("KHR_materials_emissive_strength");
-        }
-        if material.transmission > 0.0 {
-            let value = json!({ "transmissionFactor": material.transmission });
-            extensions.insert("KHR_materials_transmission".into(), value);
-            self.extensions.push("KHR_materials_transmission");
-        }
-        if material.ior != 1.5 {
-            extensions.insert("KHR_materials_ior".into(), json!({ "ior": material.ior }));
-            self.extensions.push("KHR_materials_ior");
-        }
-        if material.unlit {
-            extensions.insert("KHR_materials_unlit".into(), json!({}));
-            self.extensions.push("KHR_materials_unlit");
-        }
-        let mut written = json!({
-            "name": material.name,
-            "pbrMetallicRoughness": pbr,
-            "emissiveFactor": (material.emissive / strength).to_array(),
-            "doubleSided": material.double_sided,
-        });
-        if let Some(texture) = &material.emissive_texture {
-            written["emissiveTexture"] = self.texture_ref(scene, texture)?;
-        }
-        if let Some(cutoff) = material.alpha_cutoff {
-            written["alphaMode"] = json!("MASK");
-            written["alphaCutoff"] = json!(cutoff);
-        }
-        if !extensions.is_empty() {
-            written["extensions"] = Value::Object(extensions);
-        }
-        self.materials.push(written);
-        Ok(())
-    }
-
-    fn texture_ref(&mut self, scene: &Scene, used: &TextureRef) -> Result<Value, ExportError> {
-        let index = match self.written.iter().find(|(ours, _)| *ours == used.texture) {
-            Some(&(_, index)) => index,
-            None => {
-                let t = &scene.textures[used.texture];
-                let size = (t.width, t.height);
-                let index = self.image(&t.name, size, &t.rgba, t.repeat_u, t.repeat_v)?;
-                self.written.push((used.texture, index));
-                index
-            }
-        };
-        Ok(self.transformed(index, used.scale, used.offset))
-    }
-
-    fn transformed(&mut self, index: usize, scale: glam::Vec2, offset: glam::Vec2) -> Value {
-        if scale == glam::Vec2::ONE && offset == glam::Vec2::ZERO {
-            return json!({ "index": index });
-        }
-        self.extensions.push("KHR_texture_transform");
-        let transform = json!({ "scale": scale.to_array(), "offset": offset.to_array() });
-        json!({ "index": index, "extensions": { "KHR_texture_transform": transform } })
-    }
-
-    /// Adds an image with its sampler and texture; the index of the texture.
-    fn image(
-        &mut self,
-        name: &str,
-        size: (u32, u32),
-        rgba: &[[u8; 4]],
-        repeat_u: bool,
-        repeat_v: bool,
-    ) -> Result<usize, ExportError> {
-        let png = bake::png(size, rgba).map_err(|reason| ExportError::Texture {
-            name: name.to_owned(),
-            reason,
-        })?;
-        let view = self.buffer.bytes(&png, None);
-        let wrap = |repeat| if repeat { 10_497 } else { 33_071 };
-        // LINEAR, LINEAR_MIPMAP_LINEAR.
-        let sampler = json!({
-            "magFilter": 9729, "minFilter": 9987, "wrapS": wrap(repeat_u), "wrapT": wrap(repeat_v),
-        });
-        let index = self.textures.len();
-        self.images
-            .push(json!({ "name": name, "bufferView": view, "mimeType": "image/png" }));
-        self.samplers.push(sampler);
-        self.textures
-            .push(json!({ "source": index, "sampler": index }));
-        Ok(index)
-    }
-
     /// A primitive; `None` when it has no triangle, which glTF cannot say.
     fn primitive(&mut self, p: &Primitive) -> Option<Value> {
         if p.indices.is_empty() || p.positions.is_empty() {
@@ -371,91 +261,6 @@ impl Writer {
         }
         written
     }
-
-    /// One clip for each period.
-    fn animations(&mut self, channels: &[Channel]) -> Vec<Value> {
-        let mut periods: Vec<f32> = Vec::new();
-        for channel in channels {
-            if !periods.contains(&channel.period) {
-                periods.push(channel.period);
-            }
-        }
-        periods
-            .into_iter()
-            .enumerate()
-            .map(|(i, period)| {
-                let mut samplers = Vec::new();
-                let mut targets = Vec::new();
-                for channel in channels.iter().filter(|c| c.period == period) {
-                    let (path, interpolation, sampler) = self.sampler(channel);
-                    targets.push(json!({
-                        "sampler": samplers.len(),
-                        "target": { "node": channel.node, "path": path },
-                    }));
-                    samplers.push(json!({
-                        "input": sampler[0], "output": sampler[1], "interpolation": interpolation,
-                    }));
-                }
-                json!({
-                    "name": format!("loop {i}"), "channels": targets, "samplers": samplers,
-                    "extras": { "period": period },
-                })
-            })
-            .collect()
-    }
-
-    fn sampler(&mut self, channel: &Channel) -> (&'static str, &'static str, [Value; 2]) {
-        let spline = channel.interpolation == Interpolation::CubicSpline;
-        let mut times = channel.times.clone();
-        // Other programs loop a clip at its last key: hold the last value until the period ends.
-        let pad = times.last().is_some_and(|&last| last < channel.period);
-        if pad {
-            times.push(channel.period);
-        }
-        let input = self.buffer.floats(&times, "SCALAR", true);
-        let (path, kind, values) = match &channel.track {
-            Track::Translation(keys) => {
-                ("translation", "VEC3", held(keys, pad, spline, Vec3::ZERO))
-            }
-            Track::Scale(keys) => ("scale", "VEC3", held(keys, pad, spline, Vec3::ZERO)),
-            Track::Rotation(keys) => {
-                let zero = Quat::from_array([0.0; 4]);
-                let keys = held(keys, pad, spline, zero);
-                let flat: Vec<f32> = keys.iter().flat_map(|q| q.to_array()).collect();
-                let output = self.buffer.floats(&flat, "VEC4", false);
-                return ("rotation", interpolation(channel), [input, output]);
-            }
-        };
-        let flat: Vec<f32> = values.iter().flat_map(|v| v.to_array()).collect();
-        let output = self.buffer.floats(&flat, kind, false);
-        (path, interpolation(channel), [input, output])
-    }
-}
-
-fn interpolation(channel: &Channel) -> &'static str {
-    match channel.interpolation {
-        Interpolation::Step => "STEP",
-        Interpolation::Linear => "LINEAR",
-        Interpolation::CubicSpline => "CUBICSPLINE",
-    }
-}
-
-/// The keys, with the last value once more if `pad`. A spline's tangents between the last two
-/// keys become zero, so that it rests there.
-fn held<T: Copy>(keys: &[T], pad: bool, spline: bool, zero: T) -> Vec<T> {
-    let mut keys = keys.to_vec();
-    if !pad || keys.is_empty() {
-        return keys;
-    }
-    if spline {
-        let last = keys.len() - 1;
-        let value = keys[last - 1];
-        keys[last] = zero;
-        keys.extend([zero, value, zero]);
-    } else {
-        keys.push(keys[keys.len() - 1]);
-    }
-    keys
 }
 
 fn check_indices(scene: &Scene) -> Result<(), ExportError> {

@@ -134,6 +134,10 @@ fn indices_and_ranges_are_checked_with_their_place() {
     );
     says(&|r| r["nodes"][0]["mesh"] = Value::Null, &["shows nothing"]);
     says(
+        &|r| r["nodes"][0]["scale"] = json!([3e38, 1, 1]),
+        &["scene", "check the scales"],
+    );
+    says(
         &|r| r["scenes"][0]["nodes"] = json!([0, 0]),
         &["two parents"],
     );

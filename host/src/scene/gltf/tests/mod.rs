@@ -3,6 +3,7 @@
 mod assets;
 mod faults;
 mod loading;
+mod motion;
 mod round_trip;
 
 use super::{LoadError, Loaded, load_bytes};
