@@ -6,3 +6,4 @@ mod link;
 mod measure;
 mod room;
 mod round_trip;
+mod stream_md;
