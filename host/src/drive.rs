@@ -1,9 +1,9 @@
 //! The host at work: simulated time, a sampler looking, a sender sending.
 
 use glam::{Affine3A, Vec2, Vec3};
-use unframed_wire::{End, Hello, Status, ledger::Ledger};
+use unframed_wire::{End, Hello, Status, TileNode, ledger::Ledger};
 
-use crate::sampler::{Eye, Node, Sampler, Shot, Span};
+use crate::sampler::{Eye, Sampler, Shot, Span};
 use crate::stream::sender::Promise;
 use crate::stream::{Sender, StreamError};
 use crate::trace::camera::Camera;
@@ -54,7 +54,7 @@ pub struct Host {
     sampler: Box<dyn Sampler>,
     sender: Sender,
     shots: Vec<Shot>,
-    tiles: Vec<Node>,
+    tiles: Vec<TileNode>,
     now: f64,
     taken: u64,
     index: u32,
@@ -103,7 +103,7 @@ impl Host {
 
     /// The tiles of the last refresh, in preorder.
     #[must_use]
-    pub fn tiles(&self) -> &[Node] {
+    pub fn tiles(&self) -> &[TileNode] {
         &self.tiles
     }
 
@@ -152,7 +152,7 @@ impl Host {
                 self.sender.samples(&self.shots[before..], out)?;
             }
         }
-        self.sampler.tiles(&mut self.tiles);
+        self.sampler.tiles(self.sender.hello().tile_fields, &mut self.tiles);
         self.sender.refresh(&self.world, end, &self.tiles, out)?;
         for shot in &self.shots {
             progress.rays.primary += shot.hit.rays.primary;

@@ -1,3 +1,14 @@
-//! What the `unframed` command is made of.
+//! What the `unframed` command is made of. No logic of its own: it puts host and display
+//! together, joined by bytes alone, and measures them.
+//!
+//! - [`args`]: what a user types; [`method`]: samplers, streams and reconstructions by name;
+//! - [`panel`]: the display hardware to show on; [`measure`]: a run against the ideal;
+//! - [`commands`]: one module a command; [`pages`], [`report`]: what they write.
 
+pub mod args;
+pub mod commands;
+pub mod measure;
+pub mod method;
+pub mod pages;
+pub mod panel;
 pub mod report;

@@ -3,12 +3,12 @@
 use std::fmt;
 
 use unframed_wire::{
-    Axis, ColourEncoding, EncodeError, End, Hello, Layout, Pose, Rect, Refresh, SKY, ScreenSample,
+    ColourEncoding, EncodeError, End, Hello, Layout, Pose, Rect, Refresh, SKY, ScreenSample,
     Tick, TileFields, TileNode, WorldSample, Writer, ledger::Ledger,
 };
 
 use super::Quantiser;
-use crate::sampler::{Node, Shot};
+use crate::sampler::Shot;
 use crate::trace::{World, srgb};
 
 /// Samples a packet: enough for the coder to find neighbours, few enough to be on time.
@@ -182,7 +182,7 @@ impl Sender {
         &mut self,
         world: &World,
         time: f64,
-        tiles: &[Node],
+        tiles: &[TileNode],
         out: &mut Vec<u8>,
     ) -> Result<(), StreamError> {
         self.announce(out)?;
@@ -192,16 +192,8 @@ impl Sender {
             self.writer.hello(&self.hello, sink)?;
         }
         if !tiles.is_empty() {
-            let nodes: Vec<TileNode> = tiles
-                .iter()
-                .map(|node| match node {
-                    Node::SplitX => TileNode::Split(Axis::X),
-                    Node::SplitY => TileNode::Split(Axis::Y),
-                    Node::Leaf(tile) => TileNode::Leaf(*tile),
-                })
-                .collect();
             let whole = Rect { x: 0, y: 0, w: self.hello.width, h: self.hello.height };
-            self.writer.tiles(tick(time), whole, &nodes, sink)?;
+            self.writer.tiles(tick(time), whole, tiles, sink)?;
         }
         if self.hello.layout == Layout::World {
             let camera = world.camera(time);

@@ -1,0 +1,261 @@
+//! What a user types.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::method::Method;
+
+/// A frameless renderer and the display it feeds.
+#[derive(Debug, Parser)]
+#[command(name = "unframed", version, about, max_term_width = 100)]
+pub struct Cli {
+    /// What to do; without a command, `run --out unframed-out`.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Host and display together, measured against the ideal renderer.
+    Run(RunArgs),
+    /// The host alone: a stream into a file.
+    Record(RecordArgs),
+    /// The display alone: a recorded stream into pictures.
+    Play(PlayArgs),
+    /// What is in a recorded stream.
+    Inspect(InspectArgs),
+    /// What a scene calls for; without SCENE, the built-in scenes.
+    Scenes(ScenesArgs),
+}
+
+/// The scene and how it is sampled.
+#[derive(Debug, Clone, Args)]
+pub struct Source {
+    /// A .glb or .gltf file, or a built-in scene (see `unframed scenes`).
+    #[arg(default_value = "interactive")]
+    pub scene: String,
+    /// Of a glTF file, the one animation clip to play (else all play together).
+    #[arg(long)]
+    pub clip: Option<String>,
+    /// Samples a second; 400k means 400000.
+    #[arg(long, default_value = "400k", value_parser = parse_rate)]
+    pub rate: u32,
+    /// Simulated time, seconds.
+    #[arg(long, default_value_t = 3.0, value_parser = parse_seconds)]
+    pub seconds: f64,
+    /// Panel size in pixels, WIDTHxHEIGHT.
+    #[arg(long, default_value = "256x256", value_parser = parse_size)]
+    pub size: Size,
+    /// Seed of everything random.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// How to sample and reconstruct.
+    #[arg(long, value_enum, default_value_t = Method::Adaptive)]
+    pub method: Method,
+}
+
+/// Which display hardware.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum DisplayKind {
+    /// wgpu on a hardware adapter, else the CPU.
+    Auto,
+    /// The firmware's code on this CPU.
+    Cpu,
+    /// Its twin in shaders.
+    Wgpu,
+}
+
+/// The display.
+#[derive(Debug, Clone, Args)]
+pub struct DisplayArgs {
+    /// Which display hardware: all show the same bits.
+    #[arg(long, value_enum, default_value_t = DisplayKind::Auto)]
+    pub display: DisplayKind,
+    /// Samples that the display remembers.
+    #[arg(long, default_value = "400k", value_parser = parse_rate)]
+    pub samples: u32,
+}
+
+/// `unframed run`
+#[derive(Debug, Clone, Args)]
+pub struct RunArgs {
+    /// The scene and how it is sampled.
+    #[command(flatten)]
+    pub source: Source,
+    /// The display.
+    #[command(flatten)]
+    pub panel: DisplayArgs,
+    /// Never open a window (the default; refuses --window).
+    #[arg(long, conflicts_with = "window")]
+    pub headless: bool,
+    /// Show it live in a window instead of measuring it. Keys: m method, t tiling, space pause,
+    /// q quit.
+    #[arg(long)]
+    pub window: bool,
+    /// Close the window after this many refreshes.
+    #[arg(long, requires = "window")]
+    pub frames: Option<u64>,
+    /// Measure every N-th refresh against the ideal image.
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
+    pub every: u32,
+    /// Pictures, report.html, report.json and hashes.txt go into this directory.
+    #[arg(long)]
+    pub out: Option<PathBuf>,
+    /// Print one JSON object instead of text.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `unframed record`
+#[derive(Debug, Clone, Args)]
+pub struct RecordArgs {
+    /// The scene and how it is sampled.
+    #[command(flatten)]
+    pub source: Source,
+    /// The file to write.
+    #[arg(short, long, value_name = "FILE.ufs")]
+    pub output: PathBuf,
+    /// Print one JSON object instead of text.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `unframed play`
+#[derive(Debug, Clone, Args)]
+pub struct PlayArgs {
+    /// The stream.
+    #[arg(value_name = "FILE.ufs")]
+    pub file: PathBuf,
+    /// The display.
+    #[command(flatten)]
+    pub panel: DisplayArgs,
+    /// How the display reconstructs.
+    #[arg(long, value_enum, default_value_t = Method::Adaptive)]
+    pub method: Method,
+    /// Print one line a refresh: its index and the hash of its picture.
+    #[arg(long)]
+    pub hashes: bool,
+    /// Write each picture as PNG into this directory.
+    #[arg(long)]
+    pub out: Option<PathBuf>,
+    /// Print one JSON object instead of text.
+    #[arg(long, conflicts_with = "hashes")]
+    pub json: bool,
+}
+
+/// `unframed inspect`
+#[derive(Debug, Clone, Args)]
+pub struct InspectArgs {
+    /// The stream.
+    #[arg(value_name = "FILE.ufs")]
+    pub file: PathBuf,
+    /// Print one JSON object instead of text.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `unframed scenes`
+#[derive(Debug, Clone, Args)]
+pub struct ScenesArgs {
+    /// A .glb or .gltf file, or a built-in scene.
+    pub scene: Option<String>,
+    /// Of a glTF file, the one animation clip to play.
+    #[arg(long)]
+    pub clip: Option<String>,
+    /// Write the scene as a binary glTF file.
+    #[arg(long, value_name = "NAME.glb")]
+    pub export: Option<PathBuf>,
+    /// Print one JSON object instead of text.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// A panel's size, pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Size {
+    /// Pixels a row.
+    pub width: u16,
+    /// Rows.
+    pub height: u16,
+}
+
+fn parse_rate(text: &str) -> Result<u32, String> {
+    let lower = text.trim().to_ascii_lowercase();
+    let (digits, factor) = match lower.strip_suffix(['k', 'm']) {
+        Some(digits) if lower.ends_with('k') => (digits, 1e3),
+        Some(digits) => (digits, 1e6),
+        None => (lower.as_str(), 1.0),
+    };
+    let value: f64 =
+        digits.parse().map_err(|_| format!("`{text}` is not a number like 400k or 1.5m"))?;
+    let value = (value * factor).round();
+    if (1.0..=1e8).contains(&value) {
+        Ok(value as u32)
+    } else {
+        Err(format!("`{text}` is out of range: 1 to 100m"))
+    }
+}
+
+fn parse_seconds(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| format!("`{text}` is not a number of seconds"))?;
+    if value > 0.0 && value <= 3600.0 {
+        Ok(value)
+    } else {
+        Err(format!("`{text}` is out of range: above 0, at most 3600 seconds"))
+    }
+}
+
+fn parse_size(text: &str) -> Result<Size, String> {
+    let limit = unframed_recon::Panel::LIMIT;
+    let side = |side: &str| side.trim().parse::<u32>().ok();
+    let (width, height) = text
+        .to_ascii_lowercase()
+        .split_once('x')
+        .and_then(|(w, h)| Some((side(w)?, side(h)?)))
+        .ok_or_else(|| format!("`{text}` is not a size like 256x256"))?;
+    let fits = |side: u32| side >= 1 && side <= u32::from(limit);
+    if fits(width) && fits(height) {
+        Ok(Size { width: width as u16, height: height as u16 })
+    } else {
+        Err(format!("`{text}` is out of range: 1x1 to {limit}x{limit} pixels"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rates() {
+        assert_eq!(parse_rate("400k"), Ok(400_000));
+        assert_eq!(parse_rate("1.5M"), Ok(1_500_000));
+        assert_eq!(parse_rate("7"), Ok(7));
+        for bad in ["0", "0k", "", "k", "-1", "nan", "inf", "1e9", "400kk"] {
+            assert!(parse_rate(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn sizes() {
+        assert_eq!(parse_size("1x4080"), Ok(Size { width: 1, height: 4080 }));
+        for bad in ["0x0", "256", "256x", "4081x1", "-1x5", "99999999999x1", "axb"] {
+            assert!(parse_size(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn seconds() {
+        assert_eq!(parse_seconds("0.5"), Ok(0.5));
+        for bad in ["0", "-1", "nan", "inf", "1e9", "x"] {
+            assert!(parse_seconds(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn the_command_line_is_sound() {
+        use clap::CommandFactory;
+        Cli::command().debug_assert();
+    }
+}

@@ -1,0 +1,68 @@
+//! The display hardware that a command shows on: the same bits on each.
+
+use anyhow::{Context, Result};
+use unframed_recon::heap::HeapStorage;
+use unframed_recon::{Config, Display, Fixed, Player};
+use unframed_wire::{Refresh, Counters};
+
+use crate::args::DisplayKind;
+
+/// Takes bytes, shows pictures.
+pub trait Panel {
+    /// Takes bytes off the front of `input` up to the end of the next Refresh and makes its
+    /// picture; `None` when the input is used up.
+    ///
+    /// # Errors
+    /// When the hardware fails; what was received is not lost.
+    fn push(&mut self, input: &mut &[u8]) -> Result<Option<Refresh>>;
+
+    /// The picture shown.
+    fn picture(&self) -> &[[u8; 3]];
+
+    /// What went through the link.
+    fn link(&self) -> Counters;
+}
+
+impl Panel for Player<'_, Fixed> {
+    fn push(&mut self, input: &mut &[u8]) -> Result<Option<Refresh>> {
+        Ok(Self::push(self, input))
+    }
+
+    fn picture(&self) -> &[[u8; 3]] {
+        self.display().picture()
+    }
+
+    fn link(&self) -> Counters {
+        *self.receiver().counters()
+    }
+}
+
+/// What is asked of a panel.
+#[derive(Debug, Clone, Copy)]
+pub struct Order {
+    /// Which hardware.
+    pub kind: DisplayKind,
+    /// What it does.
+    pub config: Config,
+    /// Pixels a row.
+    pub width: u16,
+    /// Rows.
+    pub height: u16,
+    /// Samples remembered.
+    pub samples: u32,
+}
+
+/// Sets up the panel and does `work` with it and its name.
+///
+/// # Errors
+/// When there is no such hardware, and what `work` returns.
+pub fn with_panel<R>(
+    order: &Order,
+    work: impl FnOnce(&mut dyn Panel, &str) -> Result<R>,
+) -> Result<R> {
+    let mut storage =
+        HeapStorage::<Fixed>::new(order.width, order.height, order.samples as usize);
+    let display = Display::new(order.config, order.width, order.height, storage.memory())
+        .context("cannot set up the display")?;
+    work(&mut Player::new(display), "cpu")
+}
