@@ -1,0 +1,485 @@
+//! A decoder of the stream written from `docs/STREAM.md` alone: it shares nothing with
+//! `unframed-wire`, and prefers the plainest way to the fast one (CRC bit by bit, a vector of
+//! single bits, recursion over the tile tree).
+
+/// Where fields of a packet come from.
+type Fields<'a> = std::slice::Iter<'a, u8>;
+
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Hello {
+    pub width: u16,
+    pub height: u16,
+    pub world_layout: bool,
+    pub objects: bool,
+    pub tile_fields: u8,
+    pub rate: u32,
+    pub refresh_millihertz: u32,
+    pub origin: [f32; 3],
+    pub unit: f32,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct View {
+    pub time: u32,
+    pub eye: [i32; 3],
+    pub rows: [[i32; 3]; 3],
+    pub frac_bits: u8,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pose {
+    pub time: u32,
+    pub object: u8,
+    pub frac_bits: u8,
+    pub matrix: [[i32; 3]; 3],
+    pub translation: [i32; 3],
+}
+
+/// A leaf: time, x, y, width, height, and gx, gy, gt, lifetime, density.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tile {
+    pub time: u32,
+    pub rect: [u16; 4],
+    pub codes: [u8; 5],
+}
+
+/// A sample of either layout: `place` is x, y, z of the lattice, or x, y in 1/16 pixel and 0.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Sample {
+    pub time: u32,
+    pub object: u8,
+    pub place: [i32; 3],
+    pub rgb: [u8; 3],
+}
+
+/// All that a stream says, in its order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Decoded {
+    pub hellos: Vec<Hello>,
+    pub views: Vec<View>,
+    pub poses: Vec<Pose>,
+    pub tiles: Vec<Tile>,
+    pub samples: Vec<Sample>,
+    /// Time and index.
+    pub refreshes: Vec<(u32, u32)>,
+    pub cuts: Vec<u32>,
+    /// Time, samples, packets.
+    pub end: Option<(u32, u64, u64)>,
+    /// Entries of the index: kind, time, offset.
+    pub index: Vec<(u8, u32, u64)>,
+    /// Offset and entries.
+    pub trailer: Option<(u64, u32)>,
+    pub packets: u64,
+    pub lost: u64,
+    pub damaged: u64,
+}
+
+/// Decodes the bytes of a stream or of a recording.
+pub fn decode(bytes: &[u8]) -> Decoded {
+    let mut out = Decoded::default();
+    let mut expected: Option<u16> = None;
+    let mut frames: Vec<&[u8]> = bytes.split(|&b| b == 0).collect();
+    frames.pop();
+    for frame in frames.into_iter().filter(|f| !f.is_empty()) {
+        let Some((kind, sequence, payload)) = open(frame) else {
+            out.damaged += 1;
+            continue;
+        };
+        let ahead = expected.map_or(0, |e| sequence.wrapping_sub(e));
+        if ahead >= 65_472 {
+            continue;
+        }
+        if ahead < 0x8000 {
+            out.lost += u64::from(ahead);
+        }
+        expected = Some(sequence.wrapping_add(1));
+        let alone = matches!(kind, 1 | 9 | 10 | 11 | 12);
+        if !(1..=12).contains(&kind) || (out.hellos.is_empty() && !alone) {
+            continue;
+        }
+        match packet(kind, &payload, &mut out) {
+            Some(()) => out.packets += 1,
+            None => out.damaged += 1,
+        }
+    }
+    out
+}
+
+/// Undoes COBS, checks the CRC: type, sequence number, payload.
+fn open(frame: &[u8]) -> Option<(u8, u16, Vec<u8>)> {
+    let mut bytes = Vec::new();
+    let mut at = 0;
+    while at < frame.len() {
+        let code = usize::from(frame[at]);
+        bytes.extend(frame.get(at + 1..at + code)?);
+        at += code;
+        if code < 255 && at < frame.len() {
+            bytes.push(0);
+        }
+    }
+    if bytes.len() < 7 || bytes.len() > 2048 {
+        return None;
+    }
+    let crc = bytes.split_off(bytes.len() - 4);
+    if crc32c(&bytes).to_le_bytes() != crc[..] {
+        return None;
+    }
+    let payload = bytes.split_off(3);
+    Some((bytes[0], u16::from_le_bytes([bytes[1], bytes[2]]), payload))
+}
+
+pub fn crc32c(bytes: &[u8]) -> u32 {
+    // 0x82F63B78 is 0x1EDC6F41 with its bits reversed, for reflected input.
+    let mut crc = !0u32;
+    for &byte in bytes {
+        crc ^= u32::from(byte);
+        for _ in 0..8 {
+            crc = (crc >> 1) ^ if crc & 1 == 1 { 0x82F6_3B78 } else { 0 };
+        }
+    }
+    !crc
+}
+
+fn number(f: &mut Fields<'_>, bytes: u32) -> Option<u64> {
+    let mut value = 0;
+    for i in 0..bytes {
+        value |= u64::from(*f.next()?) << (8 * i);
+    }
+    Some(value)
+}
+
+fn byte(f: &mut Fields<'_>) -> Option<u8> {
+    f.next().copied()
+}
+
+fn short(f: &mut Fields<'_>) -> Option<u16> {
+    number(f, 2).map(|v| v as u16)
+}
+
+fn word(f: &mut Fields<'_>) -> Option<u32> {
+    number(f, 4).map(|v| v as u32)
+}
+
+fn vector(f: &mut Fields<'_>) -> Option<[i32; 3]> {
+    Some([word(f)? as i32, word(f)? as i32, word(f)? as i32])
+}
+
+fn matrix(f: &mut Fields<'_>) -> Option<[[i32; 3]; 3]> {
+    Some([vector(f)?, vector(f)?, vector(f)?])
+}
+
+fn finite(f: &mut Fields<'_>) -> Option<f32> {
+    word(f).map(f32::from_bits).filter(|v| v.is_finite())
+}
+
+fn packet(kind: u8, payload: &[u8], out: &mut Decoded) -> Option<()> {
+    let f = &mut payload.iter();
+    match kind {
+        1 => out.hellos.push(hello(f)?),
+        2 => {
+            let time = word(f)?;
+            let (eye, rows) = (vector(f)?, matrix(f)?);
+            let frac_bits = byte(f).filter(|&b| b <= 30)?;
+            out.views.push(View {
+                time,
+                eye,
+                rows,
+                frac_bits,
+            });
+        }
+        3 => {
+            let time = word(f)?;
+            let count = f.len() / 50;
+            if f.len() % 50 != 0 || !(1..=40).contains(&count) {
+                return None;
+            }
+            for _ in 0..count {
+                let (object, frac_bits) = (byte(f)?, byte(f).filter(|&b| b <= 31)?);
+                let (matrix, translation) = (matrix(f)?, vector(f)?);
+                out.poses.push(Pose {
+                    time,
+                    object,
+                    frac_bits,
+                    matrix,
+                    translation,
+                });
+            }
+        }
+        4 => return tiles(f, out),
+        5 => return world_samples(f, out),
+        6 => return screen_samples(f, out),
+        7 => out.refreshes.push((word(f)?, word(f)?)),
+        8 => out.cuts.push(word(f)?),
+        9 => out.end = Some((word(f)?, number(f, 8)?, number(f, 8)?)),
+        10 => {
+            number(f, 20)?;
+        }
+        11 => {
+            while f.len() > 0 {
+                out.index
+                    .push((byte(f).filter(|&k| k < 3)?, word(f)?, number(f, 8)?));
+            }
+        }
+        _ => out.trailer = Some((number(f, 8)?, word(f)?)),
+    }
+    f.next().is_none().then_some(())
+}
+
+fn hello(f: &mut Fields<'_>) -> Option<Hello> {
+    let magic = [byte(f)?, byte(f)?, byte(f)?, byte(f)?];
+    if magic != *b"UFRM" || byte(f)? != 1 || word(f)? != 0xc16d_67ab {
+        return None;
+    }
+    let edge = 1..=4096;
+    let width = short(f).filter(|v| edge.contains(v))?;
+    let height = short(f).filter(|v| edge.contains(v))?;
+    let flags = byte(f).filter(|&v| v < 4 && v != 2)?;
+    let tile_fields = byte(f).filter(|&v| v < 8)?;
+    byte(f).filter(|&v| v == 0)?;
+    Some(Hello {
+        width,
+        height,
+        world_layout: flags & 1 == 1,
+        objects: flags & 2 == 2,
+        tile_fields,
+        rate: word(f).filter(|&v| v >= 1)?,
+        refresh_millihertz: word(f).filter(|&v| v >= 1)?,
+        origin: [finite(f)?, finite(f)?, finite(f)?],
+        unit: finite(f).filter(|&v| v > 0.0)?,
+    })
+}
+
+/// Single bits, most significant first.
+struct Bits(std::vec::IntoIter<bool>);
+
+impl Bits {
+    fn new(f: &Fields<'_>) -> Self {
+        let bits = f
+            .as_slice()
+            .iter()
+            .flat_map(|byte| (0..8).rev().map(move |i| byte >> i & 1 == 1));
+        Bits(bits.collect::<Vec<_>>().into_iter())
+    }
+
+    fn take(&mut self, n: u32) -> Option<u32> {
+        let mut value = 0u64;
+        for _ in 0..n {
+            value = value * 2 + u64::from(self.0.next()?);
+        }
+        Some(value as u32)
+    }
+
+    fn rice(&mut self, k: u32, width: u32) -> Option<u32> {
+        let mut ones = 0u64;
+        while ones < 12 && self.0.next()? {
+            ones += 1;
+        }
+        if ones == 12 {
+            return self.take(width);
+        }
+        Some((ones * (1 << k) + u64::from(self.take(k)?)) as u32)
+    }
+}
+
+fn unfold(u: u32) -> i64 {
+    if u % 2 == 0 {
+        i64::from(u / 2)
+    } else {
+        -(i64::from(u) + 1) / 2
+    }
+}
+
+fn tiles(f: &mut Fields<'_>, out: &mut Decoded) -> Option<()> {
+    let time = word(f)?;
+    let rect = [short(f)?, short(f)?, short(f)?, short(f)?];
+    let panel = out.hellos.last()?;
+    let inside =
+        |at: u16, len: u16, edge: u16| len > 0 && u32::from(at) + u32::from(len) <= u32::from(edge);
+    if !inside(rect[0], rect[2], panel.width) || !inside(rect[1], rect[3], panel.height) {
+        return None;
+    }
+    let fields = byte(f).filter(|&v| v < 8)?;
+    let present = [1, 1, 1, 2, 4].map(|bit| fields & bit != 0);
+    let mut bits = Bits::new(f);
+    let mut k = [0; 5];
+    for i in (0..5).filter(|&i| present[i]) {
+        k[i] = bits.take(3)?;
+    }
+    let mut tree = Tree {
+        bits,
+        time,
+        present,
+        k,
+        last: [128; 5],
+        leaves: Vec::new(),
+    };
+    let whole = tree.node(rect);
+    out.tiles.append(&mut tree.leaves);
+    whole
+}
+
+struct Tree {
+    bits: Bits,
+    time: u32,
+    present: [bool; 5],
+    k: [u32; 5],
+    last: [u8; 5],
+    leaves: Vec<Tile>,
+}
+
+impl Tree {
+    fn node(&mut self, rect: [u16; 4]) -> Option<()> {
+        if self.bits.take(1)? == 1 {
+            let axis = self.bits.take(1)? as usize;
+            let (mut first, mut second) = (rect, rect);
+            first[2 + axis] = rect[2 + axis] / 2;
+            second[2 + axis] -= first[2 + axis];
+            second[axis] += first[2 + axis];
+            if first[2 + axis] == 0 {
+                return None;
+            }
+            self.node(first)?;
+            return self.node(second);
+        }
+        for i in (0..5).filter(|&i| self.present[i]) {
+            let delta = unfold(self.bits.rice(self.k[i], 8)?);
+            self.last[i] = (i64::from(self.last[i]) + delta).rem_euclid(256) as u8;
+        }
+        self.leaves.push(Tile {
+            time: self.time,
+            rect,
+            codes: self.last,
+        });
+        Some(())
+    }
+}
+
+/// Colour parameters and the colour before.
+struct Colours {
+    threshold: u32,
+    k: [[u32; 3]; 2],
+    last: Option<[u8; 3]>,
+}
+
+impl Colours {
+    fn new(bits: &mut Bits) -> Option<Self> {
+        let threshold = bits.take(6)?;
+        let mut k = [[0; 3]; 2];
+        for k in k.as_flattened_mut() {
+            *k = bits.take(3)?;
+        }
+        Some(Colours {
+            threshold,
+            k,
+            last: None,
+        })
+    }
+
+    fn next(&mut self, bits: &mut Bits, distance: u32) -> Option<[u8; 3]> {
+        let rgb = match self.last {
+            None => [
+                bits.take(8)? as u8,
+                bits.take(8)? as u8,
+                bits.take(8)? as u8,
+            ],
+            Some([r, g, b]) => {
+                let k = self.k[usize::from(distance >= self.threshold)];
+                let dg = unfold(bits.rice(k[0], 8)?);
+                let dr = unfold(bits.rice(k[1], 8)?);
+                let db = unfold(bits.rice(k[2], 8)?);
+                let add = |c: u8, d: i64| (i64::from(c) + d).rem_euclid(256) as u8;
+                [add(r, dg + dr), add(g, dg), add(b, dg + db)]
+            }
+        };
+        self.last = Some(rgb);
+        Some(rgb)
+    }
+}
+
+fn world_samples(f: &mut Fields<'_>, out: &mut Decoded) -> Option<()> {
+    let hello = out.hellos.last().filter(|h| h.world_layout)?;
+    let time = word(f)?;
+    let count = usize::from(byte(f)?) + 1;
+    let mut runs = Vec::new();
+    for _ in 0..count {
+        runs.push((byte(f)?, usize::from(byte(f)?) + 1));
+    }
+    let too_many = runs.iter().map(|r| r.1).sum::<usize>() > 256;
+    if too_many || (!hello.objects && runs.iter().any(|r| r.0 != 0)) {
+        return None;
+    }
+    let mut bits = Bits::new(f);
+    let modes = bits.take(1)? == 1;
+    let centre = bits.take(6)?;
+    let k = bits.take(3)?;
+    let mut colours = Colours::new(&mut bits)?;
+    for (object, length) in runs {
+        let mut u = [0u32; 3];
+        let mut mode = 3;
+        for i in 0..length {
+            let distance = if i == 0 {
+                u = [bits.take(16)?, bits.take(16)?, bits.take(16)?];
+                63
+            } else {
+                let s = i64::from(centre) - unfold(bits.rice(k, 7)?);
+                let s = u32::try_from(s).ok().filter(|&s| s <= 48)?;
+                if s > 0 {
+                    let l = s - 1;
+                    if modes && bits.take(1)? == 0 {
+                        mode = bits.take(2)?;
+                    }
+                    for c in 0..3 {
+                        let n = (l + 2 - c) / 3;
+                        let axis = &mut u[c as usize];
+                        if c != mode {
+                            *axis = (*axis / (1 << n)) * (1 << n) + bits.take(n)?;
+                        }
+                        if l % 3 == c {
+                            *axis |= 1 << (l / 3);
+                        }
+                    }
+                }
+                s
+            };
+            let rgb = colours.next(&mut bits, distance)?;
+            let place = u.map(|u| u as i32 - 32_768);
+            out.samples.push(Sample {
+                time,
+                object,
+                place,
+                rgb,
+            });
+        }
+    }
+    Some(())
+}
+
+fn screen_samples(f: &mut Fields<'_>, out: &mut Decoded) -> Option<()> {
+    let hello = out.hellos.last().filter(|h| !h.world_layout)?.clone();
+    let time = word(f)?;
+    let count = u32::from(byte(f)?) + 1;
+    let mut bits = Bits::new(f);
+    let k = bits.take(5)?;
+    let mut colours = Colours::new(&mut bits)?;
+    let mut m = 0u64;
+    for _ in 0..count {
+        let gap = bits.rice(k, 32)?;
+        m += u64::from(gap);
+        if m >= 1 << 32 {
+            return None;
+        }
+        let every_other = |from: u32| (0..16).map(|i| (m >> (2 * i + from) & 1) << i).sum::<u64>();
+        let (x, y) = (every_other(0), every_other(1));
+        if x >= 16 * u64::from(hello.width) || y >= 16 * u64::from(hello.height) {
+            return None;
+        }
+        let rgb = colours.next(&mut bits, 32 - gap.leading_zeros())?;
+        out.samples.push(Sample {
+            time,
+            object: 0,
+            place: [x as i32, y as i32, 0],
+            rgb,
+        });
+    }
+    Some(())
+}
