@@ -12,14 +12,14 @@ use unframed_wire::*;
 const DOCUMENT: &str = include_str!("../../../../docs/STREAM.md");
 
 /// Writes one example to a sink.
-type Write = dyn Fn(&mut Writer, &mut dyn FnMut(&[u8]));
+type Write<'a> = dyn Fn(&mut Writer, &mut dyn FnMut(&[u8])) + 'a;
 
 /// The examples: name, frame, and what it decodes to.
 fn examples() -> Vec<(&'static str, Vec<u8>, Owned)> {
     let mut writer = Writer::new();
     let mut screen_writer = Writer::new();
     let mut out = Vec::new();
-    let mut add = |name, write: &Write, screen: bool| {
+    let mut add = |name, write: &Write<'_>, screen: bool| {
         let mut frame = Vec::new();
         let writer = if screen {
             &mut screen_writer
