@@ -6,76 +6,76 @@
 type Fields<'a> = std::slice::Iter<'a, u8>;
 
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Hello {
-    pub width: u16,
-    pub height: u16,
-    pub world_layout: bool,
-    pub objects: bool,
-    pub tile_fields: u8,
-    pub rate: u32,
-    pub refresh_millihertz: u32,
-    pub origin: [f32; 3],
-    pub unit: f32,
+pub(crate) struct Hello {
+    pub(crate) width: u16,
+    pub(crate) height: u16,
+    pub(crate) world_layout: bool,
+    pub(crate) objects: bool,
+    pub(crate) tile_fields: u8,
+    pub(crate) rate: u32,
+    pub(crate) refresh_millihertz: u32,
+    pub(crate) origin: [f32; 3],
+    pub(crate) unit: f32,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-pub struct View {
-    pub time: u32,
-    pub eye: [i32; 3],
-    pub rows: [[i32; 3]; 3],
-    pub frac_bits: u8,
+pub(crate) struct View {
+    pub(crate) time: u32,
+    pub(crate) eye: [i32; 3],
+    pub(crate) rows: [[i32; 3]; 3],
+    pub(crate) frac_bits: u8,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-pub struct Pose {
-    pub time: u32,
-    pub object: u8,
-    pub frac_bits: u8,
-    pub matrix: [[i32; 3]; 3],
-    pub translation: [i32; 3],
+pub(crate) struct Pose {
+    pub(crate) time: u32,
+    pub(crate) object: u8,
+    pub(crate) frac_bits: u8,
+    pub(crate) matrix: [[i32; 3]; 3],
+    pub(crate) translation: [i32; 3],
 }
 
 /// A leaf: time, x, y, width, height, and gx, gy, gt, lifetime, density.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Tile {
-    pub time: u32,
-    pub rect: [u16; 4],
-    pub codes: [u8; 5],
+pub(crate) struct Tile {
+    pub(crate) time: u32,
+    pub(crate) rect: [u16; 4],
+    pub(crate) codes: [u8; 5],
 }
 
 /// A sample of either layout: `place` is x, y, z of the lattice, or x, y in 1/16 pixel and 0.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Sample {
-    pub time: u32,
-    pub object: u8,
-    pub place: [i32; 3],
-    pub rgb: [u8; 3],
+pub(crate) struct Sample {
+    pub(crate) time: u32,
+    pub(crate) object: u8,
+    pub(crate) place: [i32; 3],
+    pub(crate) rgb: [u8; 3],
 }
 
 /// All that a stream says, in its order.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Decoded {
-    pub hellos: Vec<Hello>,
-    pub views: Vec<View>,
-    pub poses: Vec<Pose>,
-    pub tiles: Vec<Tile>,
-    pub samples: Vec<Sample>,
+pub(crate) struct Decoded {
+    pub(crate) hellos: Vec<Hello>,
+    pub(crate) views: Vec<View>,
+    pub(crate) poses: Vec<Pose>,
+    pub(crate) tiles: Vec<Tile>,
+    pub(crate) samples: Vec<Sample>,
     /// Time and index.
-    pub refreshes: Vec<(u32, u32)>,
-    pub cuts: Vec<u32>,
+    pub(crate) refreshes: Vec<(u32, u32)>,
+    pub(crate) cuts: Vec<u32>,
     /// Time, samples, packets.
-    pub end: Option<(u32, u64, u64)>,
+    pub(crate) end: Option<(u32, u64, u64)>,
     /// Entries of the index: kind, time, offset.
-    pub index: Vec<(u8, u32, u64)>,
+    pub(crate) index: Vec<(u8, u32, u64)>,
     /// Offset and entries.
-    pub trailer: Option<(u64, u32)>,
-    pub packets: u64,
-    pub lost: u64,
-    pub damaged: u64,
+    pub(crate) trailer: Option<(u64, u32)>,
+    pub(crate) packets: u64,
+    pub(crate) lost: u64,
+    pub(crate) damaged: u64,
 }
 
 /// Decodes the bytes of a stream or of a recording.
-pub fn decode(bytes: &[u8]) -> Decoded {
+pub(crate) fn decode(bytes: &[u8]) -> Decoded {
     let mut out = Decoded::default();
     let mut expected: Option<u16> = None;
     let mut frames: Vec<&[u8]> = bytes.split(|&b| b == 0).collect();
@@ -128,7 +128,7 @@ fn open(frame: &[u8]) -> Option<(u8, u16, Vec<u8>)> {
     Some((bytes[0], u16::from_le_bytes([bytes[1], bytes[2]]), payload))
 }
 
-pub fn crc32c(bytes: &[u8]) -> u32 {
+pub(crate) fn crc32c(bytes: &[u8]) -> u32 {
     // 0x82F63B78 is 0x1EDC6F41 with its bits reversed, for reflected input.
     let mut crc = !0u32;
     for &byte in bytes {
@@ -190,7 +190,7 @@ fn packet(kind: u8, payload: &[u8], out: &mut Decoded) -> Option<()> {
         3 => {
             let time = word(f)?;
             let count = f.len() / 50;
-            if f.len() % 50 != 0 || !(1..=40).contains(&count) {
+            if !f.len().is_multiple_of(50) || !(1..=40).contains(&count) {
                 return None;
             }
             for _ in 0..count {
@@ -282,7 +282,7 @@ impl Bits {
 }
 
 fn unfold(u: u32) -> i64 {
-    if u % 2 == 0 {
+    if u.is_multiple_of(2) {
         i64::from(u / 2)
     } else {
         -(i64::from(u) + 1) / 2
