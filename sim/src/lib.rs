@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | device | [`gpu`] | finds an adapter, checks that it suffices, turns every error into a value |
 //! | passes | [`pass`] | integer compute stages over buffers of words, each readable for comparison |
+//! | twin | [`twin`] | the reconstructor in WGSL, equal to the one in Rust to the bit |
 //! | glass | [`panel`] | what the panel does with the picture: dithering, response time |
 //! | paint | [`paint`] | whole-number upscaling of a picture onto a surface, byte for byte |
 //! | source | [`source`] | what gives the pictures: a trait, a channel |
@@ -20,9 +21,11 @@ pub mod paint;
 pub mod panel;
 pub mod pass;
 pub mod source;
+pub mod twin;
 pub mod window;
 
 pub use gpu::{Gpu, GpuError};
+pub use twin::GpuPlayer;
 
 #[cfg(test)]
 mod testing;

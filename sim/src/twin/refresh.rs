@@ -1,0 +1,106 @@
+//! A refresh as a list of stages. Twin of `unframed_recon::Display::refresh`.
+
+use super::memory::Memory;
+use super::stages::{BLOCK, Density, Fill, GROUP, Hidden, Refreshing, Scan};
+use crate::gpu::GpuError;
+use crate::pass::{Batch, Stage, Words, linear_grid};
+
+/// Stages that go into a batch, each behind parameters and tables.
+struct Recorder<'r, 'g> {
+    batch: &'r mut Batch<'g>,
+    memory: &'r Memory,
+}
+
+impl Recorder<'_, '_> {
+    /// One invocation an item.
+    fn run(&mut self, stage: &Stage, buffers: &[&Words], items: usize) -> Result<(), GpuError> {
+        let first = [&self.memory.params, &self.memory.tables];
+        let all: Vec<&Words> = first.iter().chain(buffers).copied().collect();
+        self.batch.run(stage, &all, linear_grid(items, GROUP))
+    }
+}
+
+/// Appends what makes the picture of an instant from `len` samples.
+pub(super) fn record(
+    batch: &mut Batch<'_>,
+    stages: &Refreshing,
+    scan: &Scan,
+    memory: &Memory,
+    len: usize,
+) -> Result<(), GpuError> {
+    let m = memory;
+    let pixels = m.picture.len();
+    let mut recorder = Recorder { batch, memory };
+    let r = &mut recorder;
+    let buffers = [&m.ring, &m.samples, &m.transforms, &m.cells, &m.projected];
+    r.run(&stages.project, &buffers, len)?;
+    if let Some(hidden) = &stages.hidden {
+        limits(r, hidden, len, pixels)?;
+    }
+    let buffers = [&m.ring, &m.projected, &m.limits, &m.counts];
+    r.run(&stages.drop_hidden, &buffers, len)?;
+    let sum = [
+        &m.params, &m.tables, &m.bins, &m.counts, &m.starts, &m.blocks,
+    ];
+    prefix_sum(r.batch, scan, sum, m.counts.len())?;
+    let buffers = [
+        &m.ring,
+        &m.samples,
+        &m.projected,
+        &m.starts,
+        &m.counts,
+        &m.sorted,
+    ];
+    r.run(&stages.sort, &buffers, len)?;
+    if let Some(Density { masses, widths }) = &stages.density {
+        r.run(masses, &[&m.starts, &m.sorted, &m.mass], pixels)?;
+        r.run(widths, &[&m.mass, &m.widths], pixels)?;
+    }
+    let buffers = [&m.starts, &m.sorted, &m.widths, &m.sums, &m.moments];
+    r.run(&stages.gather, &buffers, pixels)?;
+    if stages.planes {
+        r.run(&stages.solve, &[&m.sums, &m.moments, &m.texels], pixels)?;
+    } else {
+        r.run(&stages.solve, &[&m.sums, &m.texels], pixels)?;
+    }
+    if let Some(Fill { pull, push }) = &stages.fill {
+        for step in &m.texel_steps {
+            r.run(pull, &[&step.uniform, &m.texels], step.coarse())?;
+        }
+        for step in m.texel_steps.iter().rev() {
+            r.run(push, &[&step.uniform, &m.texels], step.fine())?;
+        }
+    }
+    r.run(&stages.encode, &[&m.texels, &m.picture], pixels)
+}
+
+/// The depth beyond which each pixel is hidden.
+fn limits(
+    r: &mut Recorder<'_, '_>,
+    hidden: &Hidden,
+    len: usize,
+    pixels: usize,
+) -> Result<(), GpuError> {
+    let m = r.memory;
+    r.run(&hidden.far, &[&m.minima], pixels)?;
+    r.run(&hidden.nearest, &[&m.ring, &m.projected, &m.minima], len)?;
+    for step in &m.minima_steps {
+        r.run(&hidden.coarser, &[&step.uniform, &m.minima], step.coarse())?;
+    }
+    r.run(&hidden.limits, &[&m.minima, &m.limits], pixels)
+}
+
+/// The exclusive prefix sum of `len` items: parameters, tables, the number of items as a uniform,
+/// the items, the sums, the blocks' sums.
+pub(super) fn prefix_sum(
+    batch: &mut Batch<'_>,
+    scan: &Scan,
+    [params, tables, items, counts, starts, blocks]: [&Words; 6],
+    len: usize,
+) -> Result<(), GpuError> {
+    let buffers = [params, tables, items, counts, starts, blocks];
+    batch.run(&scan.blocks, &buffers, linear_grid(len, BLOCK))?;
+    let buffers = [params, tables, items, starts, blocks];
+    batch.run(&scan.sums, &buffers, [1, 1, 1])?;
+    batch.run(&scan.add, &buffers, linear_grid(len, GROUP))
+}

@@ -1,0 +1,29 @@
+// Light to the panel's codes; pixels of which nothing is known keep what they show. Twin of
+// Display::encode.
+
+@group(0) @binding(2) var<storage, read> texels: array<Texel>;
+// Red, green, blue in the bytes of a word, red lowest.
+@group(0) @binding(3) var<storage, read_write> picture: array<u32>;
+
+fn linear_to_srgb(light: u32) -> u32 {
+    let code = tables.srgb_guess[light >> 4u];
+    if code < 255u && tables.srgb_from[code + 1u] <= light { return code + 1u; }
+    return code;
+}
+
+fn code(light: u32) -> u32 {
+    if params.encoded != 0u { return ((light + 128u) / 257u) & 0xffu; }
+    return linear_to_srgb(light);
+}
+
+@compute @workgroup_size(64)
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let i = linear(group, groups, local);
+    if i >= pixels() || confidence_of(texels[i]) == 0u { return; }
+    let light = light_of(texels[i]);
+    picture[i] = code(light.x) | (code(light.y) << 8u) | (code(light.z) << 16u);
+}

@@ -1,0 +1,33 @@
+// The filter width of each pixel, from the mass in the 5 × 5 pixels around, and what its taps
+// need. Twin of splat::widths.
+
+@group(0) @binding(2) var<storage, read> mass: array<u32>;
+// Width (as i32 bits) and footprint.
+@group(0) @binding(3) var<storage, read_write> widths: array<vec2<u32>>;
+
+fn width_of(mass: u32) -> i32 {
+    // log2(0.55 · 5) is 2989; a mass has 15 fractional bits.
+    let sigma = 2989i - ((log2_q11(w64_from_u32(max(mass, 1u))) - 15i * 2048i) >> 1u);
+    // log2 0.35 and log2 1.2.
+    return clamp(sigma, -3102i, 539i);
+}
+
+@compute @workgroup_size(64)
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let i = linear(group, groups, local);
+    if i >= pixels() { return; }
+    let x = i32(i) % params.width;
+    let y = i32(i) / params.width;
+    var sum = 0u;
+    for (var row = max(y - 2i, 0i); row < min(y + 3i, params.height); row++) {
+        for (var column = max(x - 2i, 0i); column < min(x + 3i, params.width); column++) {
+            sum += mass[row * params.width + column];
+        }
+    }
+    let width = width_of(sum);
+    widths[i] = vec2<u32>(bitcast<u32>(width), footprint(width));
+}

@@ -1,0 +1,201 @@
+//! Each stage's buffer against the Rust stage of the same name.
+
+use unframed_recon::arith::{Arith, Moments, Panel, Projected, Sums, Texel};
+use unframed_recon::config::{Config, Extents, Fit, Lifetime, Light};
+use unframed_recon::deep::{Placing, Stored, age, slot};
+use unframed_recon::display::ENCODED;
+use unframed_recon::fill::{self, pyramid_len};
+use unframed_recon::hidden::{self, minima_len};
+use unframed_recon::splat::{self, Target};
+use unframed_recon::tables::SRGB_TO_LINEAR;
+use unframed_recon::tiles::{Cell, TileMap, cells_along};
+use unframed_recon::transform::Transform;
+use unframed_recon::{Fixed, solve};
+use unframed_sim::twin::Probe;
+use unframed_wire::{Packet, Pose, Receiver, Tick, View};
+
+/// What the Rust stages make of a stream up to its first refresh, as words of the shaders' layout.
+pub(crate) struct Stages {
+    pub(crate) expected: Vec<(Probe, Vec<u32>)>,
+}
+
+/// A stream's contents up to its first refresh.
+struct Contents {
+    samples: Vec<Stored>,
+    poses: Vec<Option<Pose>>,
+    view: Option<View>,
+    now: Tick,
+}
+
+fn contents(bytes: &[u8], map: &mut TileMap<'_>) -> Contents {
+    let mut found = Contents {
+        samples: Vec::new(),
+        poses: vec![None; 256],
+        view: None,
+        now: Tick(0),
+    };
+    let mut receiver = Receiver::new();
+    let mut input = bytes;
+    while let Some(packet) = receiver.push(&mut input) {
+        match packet {
+            Packet::View(view) => found.view = Some(view),
+            Packet::Poses(poses) => {
+                poses.for_each(|pose| found.poses[usize::from(slot(pose.object))] = Some(pose));
+            }
+            Packet::Tiles(tiles) => tiles.for_each(|tile| map.set(&tile)),
+            Packet::World(samples) => {
+                let time = samples.time().0;
+                samples.for_each(|s| {
+                    found.samples.push(Stored {
+                        time,
+                        place: s.place,
+                        rgb: s.rgb,
+                        slot: slot(s.object),
+                        placing: Placing::Lattice,
+                    });
+                });
+            }
+            Packet::Refresh(refresh) => {
+                found.now = refresh.time;
+                return found;
+            }
+            _ => {}
+        }
+    }
+    panic!("the stream asks for no picture");
+}
+
+fn pair(low: u16, high: u16) -> u32 {
+    u32::from(low) | u32::from(high) << 16
+}
+
+fn wide(values: &[i64]) -> impl Iterator<Item = u32> {
+    values.iter().flat_map(|v| [*v as u32, (*v >> 32) as u32])
+}
+
+fn texel_words(texels: &[Texel<Fixed>]) -> impl Iterator<Item = u32> {
+    texels.iter().flat_map(|t| {
+        let [r, g, b] = t.light;
+        [pair(r, g), pair(b, t.confidence)]
+    })
+}
+
+impl Stages {
+    /// The steps of `Display::refresh` one by one, for a stream of world samples.
+    pub(crate) fn new(config: &Config, size: (u16, u16), bytes: &[u8]) -> Stages {
+        let (width, height) = size;
+        let panel = Panel::new(width, height).expect("a sound size");
+        let mut cells = vec![Cell::default(); cells_along(width) * cells_along(height)];
+        let mut map = TileMap::new(&mut cells, width, height).expect("enough cells");
+        let contents = contents(bytes, &mut map);
+        let mut projected = project(config, &panel, &map, &contents);
+        let samples = &contents.samples;
+        let pixels = panel.pixels();
+        let mut expected = Vec::new();
+
+        if config.hidden {
+            let mut minima = vec![0; minima_len(width, height)];
+            let mut limits = vec![0; pixels];
+            hidden::nearest::<Fixed>(&panel, &projected, &mut minima);
+            hidden::limits::<Fixed>(&panel, &mut minima, &mut limits);
+            for s in projected.iter_mut().filter(|s| s.weight != 0) {
+                let at = panel.nearest(Fixed::pixel(&panel, s.x), Fixed::pixel(&panel, s.y));
+                if limits[at] < s.depth {
+                    s.weight = 0;
+                }
+            }
+            expected.push((
+                Probe::Minima,
+                minima.iter().map(|v| u32::from(*v)).collect(),
+            ));
+            expected.push((
+                Probe::Limits,
+                limits.iter().map(|v| u32::from(*v)).collect(),
+            ));
+        }
+        let words = |s: &Projected<Fixed>| {
+            let [wx, wy] = s.widths.map(|w| w as u16);
+            [pair(s.x, s.y), pair(s.depth, s.weight), pair(wx, wy)]
+        };
+        let words = projected.iter().flat_map(words).collect();
+        expected.insert(0, (Probe::Projected, words));
+        if config.extents == Extents::Density {
+            let mut mass = vec![0; pixels];
+            splat::masses::<Fixed>(&panel, &projected, &mut mass);
+            expected.push((Probe::Masses, mass.clone()));
+            let mut widths = vec![0; pixels];
+            splat::widths::<Fixed>(&panel, &mut mass, &mut widths);
+            let words = widths.iter().map(|w| i32::from(*w) as u32).collect();
+            expected.push((Probe::Widths, words));
+            for s in &mut projected {
+                let at = panel.nearest(Fixed::pixel(&panel, s.x), Fixed::pixel(&panel, s.y));
+                s.widths = [widths[at]; 2];
+            }
+        }
+        let light = match config.light {
+            Light::Linear => &SRGB_TO_LINEAR,
+            Light::Encoded => &ENCODED,
+        };
+        let planes = config.fit == Fit::Linear;
+        let mut sums = vec![Sums::<Fixed>::default(); pixels];
+        let mut moments = vec![Moments::<Fixed>::default(); if planes { pixels } else { 0 }];
+        let mut target = Target::<Fixed> {
+            sums: &mut sums,
+            moments: &mut moments,
+        };
+        splat::scatter(&panel, samples, &projected, light, &mut target);
+        expected.push((Probe::Sums, wide(sums.as_flattened()).collect()));
+        if planes {
+            expected.push((Probe::Moments, wide(moments.as_flattened()).collect()));
+        }
+        let mut texels = vec![Texel::<Fixed>::default(); pixels];
+        if planes {
+            solve::planes::<Fixed>(&sums, &moments, &mut texels);
+        } else {
+            solve::means::<Fixed>(&sums, &mut texels);
+        }
+        let mut pyramid = vec![Texel::<Fixed>::default(); pyramid_len(width, height)];
+        if config.fill {
+            fill::fill(width.into(), height.into(), &mut texels, &mut pyramid);
+        }
+        let words = texel_words(&texels).chain(texel_words(&pyramid)).collect();
+        expected.push((Probe::Texels, words));
+        Stages { expected }
+    }
+}
+
+/// The samples at the refresh instant, as `Display::project` makes them.
+fn project(
+    config: &Config,
+    panel: &Panel,
+    map: &TileMap<'_>,
+    contents: &Contents,
+) -> Vec<Projected<Fixed>> {
+    let view = contents.view.expect("a view");
+    let of = |sample: &Stored| {
+        let age = age(sample.time, contents.now)?;
+        let pose = contents.poses[usize::from(sample.slot)]?;
+        let transform = Transform::compose(&view, &pose);
+        let (x, y, depth) = Fixed::project(&transform, panel, sample.place)?;
+        let gradient = Fixed::extents(map, panel, x, y);
+        let lifetime = match config.lifetime {
+            Lifetime::Constant(log) => Fixed::log(log),
+            Lifetime::Tiles => Fixed::lifetime(map, panel, x, y),
+            Lifetime::Gradient => gradient.0,
+        };
+        let widths = match config.extents {
+            Extents::Constant(log) => [Fixed::width(log.into()); 2],
+            Extents::Density if config.lifetime != Lifetime::Gradient => [0; 2],
+            _ => [gradient.1, gradient.2],
+        };
+        Some(Projected {
+            x,
+            y,
+            depth,
+            weight: Fixed::decline(config.kernel, age, lifetime),
+            widths,
+        })
+    };
+    let all = contents.samples.iter();
+    all.map(|s| of(s).unwrap_or_default()).collect()
+}
