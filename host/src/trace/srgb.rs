@@ -12,10 +12,10 @@ pub fn decode(encoded: f32) -> f32 {
     }
 }
 
-/// Encoded value 0..=1 of linear light; clamps its argument to 0..=1 (NaN gives 0).
+/// Encoded value 0..=1 of linear light; clamps its argument to 0..=1.
 #[must_use]
 pub fn encode(linear: f32) -> f32 {
-    let linear = linear.max(0.0).min(1.0);
+    let linear = linear.clamp(0.0, 1.0);
     if linear <= 0.003_130_8 {
         linear * 12.92
     } else {
@@ -23,7 +23,7 @@ pub fn encode(linear: f32) -> f32 {
     }
 }
 
-/// The 8-bit code nearest to linear light, each channel clamped to 0..=1.
+/// The 8-bit code nearest to linear light, each channel clamped to 0..=1 (NaN gives 0).
 #[must_use]
 pub fn encode8(linear: Vec3) -> [u8; 3] {
     linear.to_array().map(|c| (encode(c) * 255.0 + 0.5) as u8)

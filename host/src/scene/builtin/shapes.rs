@@ -183,7 +183,7 @@ impl Shape {
             for k in (0..facets).map(|i| first + 2 * i) {
                 self.0
                     .indices
-                    .extend([[k, k + 1, k + 3], [k, k + 3, k + 2]]);
+                    .extend([[k, k + 3, k + 1], [k, k + 2, k + 3]]);
             }
         }
         self

@@ -1,1 +1,0 @@
-//! The tracer against slow and obvious twins.
