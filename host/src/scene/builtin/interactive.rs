@@ -228,6 +228,7 @@ fn things(stage: &mut Stage) {
             Shape::of(silver).sphere(Vec3::Y * 1.05, 0.65, 40).done(),
             Shape::of(stone)
                 .cone(Vec3::ZERO, Vec3::Y * 0.5, 0.5, 0.3, 24)
+                .disc(Vec3::Y * 0.5, Vec3::Y, 0.3, 24)
                 .done(),
         ],
     );

@@ -1,10 +1,10 @@
 //! Skins, and more movers than object ids.
 
-use glam::{Mat4, Vec2, Vec3};
+use glam::{Mat4, Quat, Vec2, Vec3};
 use unframed_wire::SKY;
 
 use super::{Random, SIZE, brute_force, wall};
-use crate::scene::model::{Channel, Interpolation, Node, Skin, Track};
+use crate::scene::model::{Channel, Interpolation, Light, LightKind, Node, Skin, Track};
 use crate::trace::{MAX_OBJECTS, World};
 
 #[test]
@@ -110,4 +110,76 @@ fn many_movers_go_through_the_tree() {
         zero += u32::from(hit.object == 0);
     }
     assert!(met > 100 && zero > 5, "{met} {zero}");
+}
+
+#[test]
+fn turning_objects_turn_their_normals() {
+    // The wall swings about y by 1 rad/s, squeezed along z (which its normal must not feel
+    // other than by the transposed inverse); a sun shines along −z turned by 0.6.
+    let mut scene = wall();
+    scene.duration = 1.0;
+    scene.nodes[0].scale = Vec3::new(1.5, 1.0, 0.8);
+    scene.channels.push(Channel {
+        node: 0,
+        track: Track::Rotation(vec![Quat::IDENTITY, Quat::from_rotation_y(1.0)]),
+        times: vec![0.0, 1.0],
+        interpolation: Interpolation::Linear,
+        period: 1.0,
+    });
+    let sun = Light {
+        kind: LightKind::Directional,
+        intensity: Vec3::ONE,
+        range: f32::INFINITY,
+    };
+    scene.nodes.push(Node {
+        light: Some(sun),
+        rotation: Quat::from_rotation_y(0.6),
+        ..Node::default()
+    });
+    let mut world = World::new(scene, SIZE).unwrap();
+    world.prepare(0.0, 0.0);
+    for t in [0.1, 0.45, 0.9] {
+        world.prepare(t, t + 1e-3);
+        let hit = world.moment(t + 5e-4).look(Vec2::new(32.0, 24.0), 0);
+        assert_eq!(hit.object, 1);
+        let cos = (t as f32 + 5e-4 - 0.6).cos();
+        let expected = Vec3::new(0.5, 0.25, 1.0) * cos / std::f32::consts::PI;
+        assert!(
+            hit.colour.distance(expected) < 1e-4,
+            "{t}: {} {expected}",
+            hit.colour
+        );
+    }
+}
+
+#[test]
+fn moving_lights_are_where_they_are_at_the_instant() {
+    // A lamp that goes from 1 m to 4 m before the wall in a second: I/d²·albedo/π.
+    let mut scene = wall();
+    scene.duration = 1.0;
+    let lamp = Light {
+        kind: LightKind::Point,
+        intensity: Vec3::ONE,
+        range: f32::INFINITY,
+    };
+    scene.channels.push(Channel {
+        node: scene.nodes.len(),
+        track: Track::Translation(vec![Vec3::Z * -4.0, Vec3::Z * -1.0]),
+        times: vec![0.0, 1.0],
+        interpolation: Interpolation::Linear,
+        period: 1.0,
+    });
+    scene.nodes.push(Node {
+        light: Some(lamp),
+        ..Node::default()
+    });
+    let mut world = World::new(scene, SIZE).unwrap();
+    assert!(world.moves().lights && !world.moves().objects);
+    world.prepare(0.1, 0.117);
+    for t in [0.1, 0.1037, 0.1108, 0.117] {
+        let hit = world.moment(t).look(Vec2::new(32.0, 24.0), 0);
+        let d = 1.0 + 3.0 * t as f32;
+        let expected = 1.0 / (d * d) / std::f32::consts::PI;
+        assert!((hit.colour.z / expected - 1.0).abs() < 2e-4, "{t}");
+    }
 }
