@@ -2,9 +2,10 @@
 //!
 //! Data flows one way: [`scene`] (what there is) → [`trace`] (what a ray sees at an instant) →
 //! [`sampler`] (where and when to look next) → [`stream`] (bytes for the display); [`drive`] runs
-//! them in simulated time.
+//! them in simulated time. [`framed`] renders whole frames instead, for comparison.
 
 pub mod drive;
+pub mod framed;
 pub mod sampler;
 pub mod scene;
 pub mod stream;
