@@ -4,7 +4,7 @@
 use super::memory::{Memory, PENDING, STORED};
 use super::params::{self, Params, Transform};
 use super::refresh::{self, prefix_sum};
-use super::stages::{GROUP, Stages};
+use super::stages::{GROUP, LOOK, Stages};
 use super::tables::Tables;
 use crate::gpu::{Gpu, GpuError};
 use crate::pass::{Batch, linear_grid};
@@ -412,7 +412,24 @@ impl<'g> GpuDisplay<'g> {
             self.cells_changed = false;
         }
         let mut batch = Batch::new(gpu);
-        refresh::record(&mut batch, stages, &self.stages.scan, memory, self.len)?;
+        memory.round.write(gpu, 0, &[0])?;
+        refresh::arrange(&mut batch, stages, &self.stages.scan, memory, self.len)?;
+        refresh::gather(&mut batch, stages, memory)?;
+        refresh::show(&mut batch, stages, memory)?;
+        batch.submit()?;
+        let longest = memory.longest.read(gpu)?.first().copied().unwrap_or(0);
+        if longest <= LOOK {
+            return Ok(());
+        }
+        // Thousands of samples on one place: one round did not see them all.
+        for round in 1..longest.div_ceil(LOOK) {
+            memory.round.write(gpu, 0, &[round])?;
+            let mut batch = Batch::new(gpu);
+            refresh::gather(&mut batch, stages, memory)?;
+            batch.submit()?;
+        }
+        let mut batch = Batch::new(gpu);
+        refresh::show(&mut batch, stages, memory)?;
         batch.submit()
     }
 }

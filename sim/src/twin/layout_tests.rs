@@ -4,9 +4,10 @@
 use std::mem::{offset_of, size_of};
 
 use super::params::{self, Level, Params, Transform};
-use super::stages::{ALL, PROJECT, PULL, Source};
+use super::stages::{ALL, BLOCK, GATHER_MEANS, GROUP, LOOK, PROJECT, PULL, SCAN_ADD, Source};
 use super::tables::Tables;
 use unframed_recon::deep::{Placing, Stored};
+use unframed_recon::tables::TIME_LEN;
 
 fn module(source: &Source) -> naga::Module {
     let text = source.whole().join("\n");
@@ -67,7 +68,7 @@ fn structs_lie_as_the_shaders_read_them() {
     same_layout!(
         &PROJECT,
         Tables,
-        [log2_q11, exp2_q15, light, time, srgb_from, srgb_guess]
+        [log2_q11, exp2_q15, time, light, srgb_from, srgb_guess]
     );
     same_layout!(
         &PROJECT,
@@ -88,6 +89,30 @@ fn structs_lie_as_the_shaders_read_them() {
             top
         ]
     );
+}
+
+/// The value of a constant of a shader.
+fn constant(source: &Source, name: &str) -> u32 {
+    let module = module(source);
+    let found = module
+        .constants
+        .iter()
+        .find(|(_, c)| c.name.as_deref() == Some(name));
+    let Some((_, constant)) = found else {
+        panic!("{}: no constant {name}", source.name);
+    };
+    match module.global_expressions[constant.init] {
+        naga::Expression::Literal(naga::Literal::U32(value)) => value,
+        ref other => panic!("{}: {name} is {other:?}", source.name),
+    }
+}
+
+#[test]
+fn constants_are_the_shaders() {
+    assert_eq!(constant(&PROJECT, "GROUP"), GROUP);
+    assert_eq!(constant(&SCAN_ADD, "BLOCK"), BLOCK);
+    assert_eq!(constant(&GATHER_MEANS, "LOOK"), LOOK);
+    assert_eq!(constant(&PROJECT, "TIME_CHORDS") as usize + 1, TIME_LEN);
 }
 
 /// The shaders take a sample apart by shifts; here its bytes are where those shifts look.

@@ -61,8 +61,14 @@ pub(crate) struct Memory {
     pub(crate) sorted: Words,
     pub(crate) mass: Words,
     pub(crate) widths: Words,
+    pub(crate) footprints: Words,
+    pub(crate) reaches: Words,
+    pub(crate) rows: Words,
     pub(crate) sums: Words,
     pub(crate) moments: Words,
+    pub(crate) longest: Words,
+    /// The round of gathering, as a uniform.
+    pub(crate) round: Words,
     pub(crate) texels: Words,
     pub(crate) texel_steps: Vec<Step>,
     pub(crate) picture: Words,
@@ -99,6 +105,7 @@ impl Memory {
         let samples = params.capacity as usize;
         let hidden = filters && config.hidden;
         let density = filters && config.extents == Extents::Density;
+        let varying = filters && !matches!(config.extents, Extents::Constant(_));
         let planes = filters && config.fit == Fit::Linear;
         let bins = if filters { bins(panel) } else { 1 };
         let items = bins.max(PENDING);
@@ -120,10 +127,15 @@ impl Memory {
             starts: of("starts", filters, bins + 1, 1)?,
             blocks: of("blocks", true, items.div_ceil(BLOCK as usize), 1)?,
             sorted: of("sorted", filters, samples, 4)?,
-            mass: of("mass", density, pixels, 1)?,
+            mass: of("mass", density, pixels, 2)?,
             widths: of("widths", density, pixels, 2)?,
+            footprints: of("footprints", varying, samples, 2)?,
+            reaches: of("reaches", varying, bins, 1)?,
+            rows: of("rows", varying, bins, 1)?,
             sums: of("sums", filters, pixels, SUMS)?,
             moments: of("moments", planes, pixels, MOMENTS)?,
+            longest: of("longest", true, 1, 1)?,
+            round: of("round", true, 4, 1)?,
             texels: of("texels", filters, texels, TEXEL)?,
             texel_steps: steps(gpu, texel_levels(panel))?,
             picture: of("picture", true, pixels, 1)?,

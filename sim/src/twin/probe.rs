@@ -15,7 +15,7 @@ pub enum Probe {
     Minima,
     /// A word a pixel.
     Limits,
-    /// A word a pixel.
+    /// 2 words a pixel, of 64 bits, low half first; not yet held to the most that a mass counts.
     Masses,
     /// 2 words a pixel: the width, and what its taps need.
     Widths,

@@ -1,7 +1,7 @@
 //! A refresh as a list of stages. Twin of `unframed_recon::Display::refresh`.
 
 use super::memory::Memory;
-use super::stages::{BLOCK, Density, Fill, GROUP, Hidden, Refreshing, Scan};
+use super::stages::{BLOCK, Density, Fill, GROUP, Hidden, Refreshing, Scan, Varying};
 use crate::gpu::GpuError;
 use crate::pass::{Batch, Stage, Words, linear_grid};
 
@@ -20,8 +20,8 @@ impl Recorder<'_, '_> {
     }
 }
 
-/// Appends what makes the picture of an instant from `len` samples.
-pub(super) fn record(
+/// Appends what brings `len` samples to an instant and in order.
+pub(super) fn arrange(
     batch: &mut Batch<'_>,
     stages: &Refreshing,
     scan: &Scan,
@@ -53,11 +53,50 @@ pub(super) fn record(
     ];
     r.run(&stages.sort, &buffers, len)?;
     if let Some(Density { masses, widths }) = &stages.density {
-        r.run(masses, &[&m.starts, &m.sorted, &m.mass], pixels)?;
+        r.batch.clear(&m.mass);
+        r.run(masses, &[&m.ring, &m.projected, &m.mass], len)?;
         r.run(widths, &[&m.mass, &m.widths], pixels)?;
     }
-    let buffers = [&m.starts, &m.sorted, &m.widths, &m.sums, &m.moments];
-    r.run(&stages.gather, &buffers, pixels)?;
+    if let Some(Varying { footprints, rows }) = &stages.varying {
+        r.batch.clear(&m.reaches);
+        let buffers = [&m.starts, &m.sorted, &m.widths, &m.footprints, &m.reaches];
+        r.run(footprints, &buffers, len)?;
+        r.run(rows, &[&m.reaches, &m.rows], m.rows.len())?;
+    }
+    r.batch.clear(&m.longest);
+    Ok(())
+}
+
+/// Appends one round of gathering; which, says the uniform.
+pub(super) fn gather(
+    batch: &mut Batch<'_>,
+    stages: &Refreshing,
+    memory: &Memory,
+) -> Result<(), GpuError> {
+    let m = memory;
+    let buffers = [
+        &m.starts,
+        &m.sorted,
+        &m.footprints,
+        &m.rows,
+        &m.sums,
+        &m.moments,
+        &m.longest,
+        &m.round,
+    ];
+    Recorder { batch, memory }.run(&stages.gather, &buffers, m.picture.len())
+}
+
+/// Appends what makes the picture from the sums.
+pub(super) fn show(
+    batch: &mut Batch<'_>,
+    stages: &Refreshing,
+    memory: &Memory,
+) -> Result<(), GpuError> {
+    let m = memory;
+    let pixels = m.picture.len();
+    let mut recorder = Recorder { batch, memory };
+    let r = &mut recorder;
     if stages.planes {
         r.run(&stages.solve, &[&m.sums, &m.moments, &m.texels], pixels)?;
     } else {

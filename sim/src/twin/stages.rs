@@ -13,6 +13,8 @@ const LEVEL: &str = include_str!("shaders/level.wgsl");
 
 /// Invocations a workgroup in all stages over items: `GROUP` of `common.wgsl`.
 pub(crate) const GROUP: u32 = 64;
+/// Samples of a row that one round of gathering looks at: `LOOK` of `gather.wgsl`.
+pub(crate) const LOOK: u32 = 7000;
 /// Items of a block of the prefix sum.
 pub(crate) const BLOCK: u32 = 2048;
 
@@ -72,14 +74,20 @@ source!(
 source!(MASSES, [file!("masses")], [Read, Read, Write]);
 source!(WIDTHS, [file!("widths")], [Read, Write]);
 source!(
+    FOOTPRINTS,
+    [file!("footprints")],
+    [Read, Read, Read, Write, Write]
+);
+source!(ROWS, [file!("rows")], [Read, Write]);
+source!(
     GATHER_MEANS,
     ["const PLANES: bool = false;", file!("gather")],
-    [Read, Read, Read, Write, Write]
+    [Read, Read, Read, Read, Write, Write, Write, Uniform]
 );
 source!(
     GATHER_PLANES,
     ["const PLANES: bool = true;", file!("gather")],
-    [Read, Read, Read, Write, Write]
+    [Read, Read, Read, Read, Write, Write, Write, Uniform]
 );
 source!(MEANS, [TEXEL, file!("means")], [Read, Write]);
 source!(PLANES, [TEXEL, file!("planes")], [Read, Read, Write]);
@@ -98,7 +106,7 @@ source!(SHOW, [file!("show")], [Read, Read, Write]);
 
 /// Every stage there is.
 #[cfg(test)]
-pub(crate) const ALL: [&Source; 24] = [
+pub(crate) const ALL: [&Source; 26] = [
     &PROJECT,
     &FAR,
     &NEAREST,
@@ -111,6 +119,8 @@ pub(crate) const ALL: [&Source; 24] = [
     &SORT,
     &MASSES,
     &WIDTHS,
+    &FOOTPRINTS,
+    &ROWS,
     &GATHER_MEANS,
     &GATHER_PLANES,
     &MEANS,
@@ -176,6 +186,13 @@ pub(crate) struct Density {
     pub(crate) widths: Stage,
 }
 
+/// Footprints that differ between samples.
+#[derive(Debug)]
+pub(crate) struct Varying {
+    pub(crate) footprints: Stage,
+    pub(crate) rows: Stage,
+}
+
 /// Hole filling.
 #[derive(Debug)]
 pub(crate) struct Fill {
@@ -191,6 +208,7 @@ pub(crate) struct Refreshing {
     pub(crate) drop_hidden: Stage,
     pub(crate) sort: Stage,
     pub(crate) density: Option<Density>,
+    pub(crate) varying: Option<Varying>,
     pub(crate) gather: Stage,
     /// Whether planes are solved, from moments.
     pub(crate) planes: bool,
@@ -253,6 +271,13 @@ impl Refreshing {
                 widths: compile(&WIDTHS)?,
             })
         });
+        let constant = matches!(config.extents, Extents::Constant(_));
+        let varying = (!constant).then(|| {
+            Ok(Varying {
+                footprints: compile(&FOOTPRINTS)?,
+                rows: compile(&ROWS)?,
+            })
+        });
         let fill = config.fill.then(|| {
             Ok(Fill {
                 pull: compile(&PULL)?,
@@ -269,6 +294,7 @@ impl Refreshing {
             drop_hidden: compile(&DROP_HIDDEN)?,
             sort: compile(&SORT)?,
             density: density.transpose()?,
+            varying: varying.transpose()?,
             gather: compile(&gather)?,
             planes: config.fit == Fit::Linear,
             solve: compile(&solve)?,

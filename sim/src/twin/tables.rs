@@ -7,18 +7,20 @@ use unframed_recon::tables::{
     EXP2_Q15, LOG2_Q11, SRGB_FROM, SRGB_GUESS, SRGB_TO_LINEAR, TIME, TIME_LEN,
 };
 
-/// The arrays of [`unframed_recon::tables`], an entry a word; twin of `Tables` in `common.wgsl`.
+/// The arrays of [`unframed_recon::tables`]; twin of `Tables` in `common.wgsl`. Of those between
+/// whose entries one interpolates each word holds the two ends of a chord, the first in the low
+/// half; of the others an entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Tables {
-    /// [`LOG2_Q11`].
-    pub log2_q11: [u32; 65],
-    /// [`EXP2_Q15`].
-    pub exp2_q15: [u32; 257],
+    /// Chords of [`LOG2_Q11`].
+    pub log2_q11: [u32; 64],
+    /// Chords of [`EXP2_Q15`].
+    pub exp2_q15: [u32; 256],
+    /// Chords of the configured kernel's row of [`TIME`].
+    pub time: [u32; TIME_LEN - 1],
     /// Light of each 8-bit code: [`SRGB_TO_LINEAR`] or [`ENCODED`].
     pub light: [u32; 256],
-    /// The configured kernel's row of [`TIME`].
-    pub time: [u32; TIME_LEN],
     /// [`SRGB_FROM`].
     pub srgb_from: [u32; 256],
     /// [`SRGB_GUESS`].
@@ -39,12 +41,17 @@ impl Tables {
             TimeKernel::Exponential => &TIME[2],
         };
         Tables {
-            log2_q11: LOG2_Q11.map(u32::from),
-            exp2_q15: EXP2_Q15.map(u32::from),
+            log2_q11: chords(&LOG2_Q11),
+            exp2_q15: chords(&EXP2_Q15),
+            time: chords(time),
             light: light.map(u32::from),
-            time: time.map(u32::from),
             srgb_from: SRGB_FROM.map(u32::from),
             srgb_guess: SRGB_GUESS.map(u32::from),
         }
     }
+}
+
+/// Neighbouring entries in one word; `N` is one less than the table's length.
+fn chords<const N: usize>(table: &[u16]) -> [u32; N] {
+    std::array::from_fn(|i| u32::from(table[i]) | u32::from(table[i + 1]) << 16)
 }

@@ -27,12 +27,13 @@ struct Params {
     padding: vec2<u32>,
 }
 
-// The arrays of unframed_recon::tables, one entry a word; twin of Tables in tables.rs.
+// The arrays of unframed_recon::tables; twin of Tables in tables.rs. Those between whose entries
+// one interpolates have both ends of a chord in a word.
 struct Tables {
-    log2_q11: array<u32, 65>,
-    exp2_q15: array<u32, 257>,
+    log2_q11: array<u32, 64>,
+    exp2_q15: array<u32, 256>,
+    time: array<u32, 3071>,
     light: array<u32, 256>,
-    time: array<u32, 3072>,
     srgb_from: array<u32, 256>,
     srgb_guess: array<u32, 4096>,
 }

@@ -146,6 +146,13 @@ fn footprint(width: i32) -> u32 {
     return pack16(reach(width), exp2_q(-965i - 2i * width, 12i));
 }
 
+// The farthest pixel, in pixels from that of a sample, in which it can have a share: its distance
+// from that pixel's centre is more than half a pixel less.
+fn whole_reach(footprint: u32) -> i32 {
+    let half = 1u << (DISTANCE_BITS - 1u);
+    return i32((low16(footprint) + half - 1u) >> DISTANCE_BITS);
+}
+
 // The filter tap at a distance: e^(−d²/2σ²), zero beyond 3 σ.
 fn tap(footprint: u32, distance: i32) -> u32 {
     let d = u32(abs(distance));

@@ -4,9 +4,19 @@
 
 @group(0) @binding(2) var<storage, read> starts: array<u32>;
 @group(0) @binding(3) var<storage, read> sorted: array<vec4<u32>>;
-@group(0) @binding(4) var<storage, read> widths: array<vec2<u32>>;
-@group(0) @binding(5) var<storage, read_write> sums: array<array<W64, 4>>;
-@group(0) @binding(6) var<storage, read_write> moments: array<array<W64, 11>>;
+// In x and y; used unless there is one width everywhere.
+@group(0) @binding(4) var<storage, read> footprints: array<vec2<u32>>;
+@group(0) @binding(5) var<storage, read> rows: array<u32>;
+@group(0) @binding(6) var<storage, read_write> sums: array<array<W64, 4>>;
+@group(0) @binding(7) var<storage, read_write> moments: array<array<W64, 11>>;
+// The longest row that a pixel looked at, in samples; zero before.
+@group(0) @binding(8) var<storage, read_write> longest: atomic<u32>;
+// Which samples of each row this round looks at: from first × LOOK on.
+@group(0) @binding(9) var<uniform> round: vec4<u32>;
+
+// Samples of a row that one round looks at. lavapipe silently ends all loops of an invocation
+// after 65,535 iterations; 9 rows of so many stay below.
+const LOOK: u32 = 7000u;
 
 // Within a footprint |x| < 2^10, so each term below stays under 2^26 and this many of them fit 32
 // bits with sign.
@@ -82,11 +92,6 @@ fn fold() {
     part = Part();
 }
 
-// Whether no sample of a pixel this far away can have a share.
-fn out_of_reach(footprint: u32, away: i32) -> bool {
-    return (abs(away) << DISTANCE_BITS) - (1i << (DISTANCE_BITS - 1u)) >= i32(low16(footprint));
-}
-
 @compute @workgroup_size(64)
 fn main(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -97,39 +102,39 @@ fn main(
     if i >= pixels() { return; }
     let x = i32(i) % params.width;
     let y = i32(i) / params.width;
-    var across = footprint(params.width_log);
-    var down = across;
-    for (var row = y - REACH; row <= y + REACH; row++) {
-        for (var column = x - REACH; column <= x + REACH; column++) {
-            let bin = bin_at(column, row);
-            let end = starts[bin + 1u];
-            var k = starts[bin];
-            if k == end { continue; }
-            if params.extents == EXTENTS_DENSITY {
-                across = widths[nearest_pixel(column, row)].y;
-                down = across;
-            }
-            if params.extents != EXTENTS_GRADIENT
-                && (out_of_reach(across, column - x) || out_of_reach(down, row - y)) {
-                continue;
-            }
-            for (; k < end; k++) {
-                let sample = sorted[k];
-                if params.extents == EXTENTS_GRADIENT {
-                    across = footprint(signed_low16(sample.w));
-                    down = footprint(signed_high16(sample.w));
-                }
-                let at = vec2<i32>(
-                    distance_from(low16(sample.x), x),
-                    distance_from(sample.x >> 16u, y),
-                );
-                let weight = times(times(sample.z >> 16u, tap(down, at.y)), tap(across, at.x));
-                if weight == 0u { continue; }
-                let light = vec3<u32>(low16(sample.y), sample.y >> 16u, low16(sample.z));
-                add(weight, light, at.x, at.y);
-            }
+    let everywhere = params.extents == EXTENTS_CONSTANT;
+    var own = vec2<u32>(footprint(params.width_log));
+    var side = whole_reach(own.x);
+    var most = 0u;
+    if round.x != 0u {
+        sum = sums[i];
+        if PLANES { moment = moments[i]; }
+    }
+    for (var away = -REACH; away <= REACH; away++) {
+        let row = y + away;
+        if !everywhere { side = i32(rows[bin_at(x, row)]) - 1i; }
+        if side < abs(away) { continue; }
+        // The bins of a row lie behind each other.
+        let first = starts[bin_at(x - side, row)];
+        let last = starts[bin_at(x + side, row) + 1u];
+        most = max(most, last - first);
+        let end = min(first + (round.x + 1u) * LOOK, last);
+        for (var k = first + round.x * LOOK; k < end; k++) {
+            let place = sorted[k].x;
+            if !everywhere { own = footprints[k]; }
+            let at = vec2<i32>(
+                distance_from(low16(place), x),
+                distance_from(place >> 16u, y),
+            );
+            if any(vec2<u32>(abs(at)) >= (own & vec2<u32>(0xffffu))) { continue; }
+            let sample = sorted[k];
+            let weight = times(times(sample.z >> 16u, tap(own.y, at.y)), tap(own.x, at.x));
+            if weight == 0u { continue; }
+            let light = vec3<u32>(low16(sample.y), sample.y >> 16u, low16(sample.z));
+            add(weight, light, at.x, at.y);
         }
     }
+    if most > LOOK { atomicMax(&longest, most); }
     fold();
     sums[i] = sum;
     if PLANES { moments[i] = moment; }

@@ -1,12 +1,10 @@
 // Samples' weights summed a pixel; those in the guard band belong to the border's pixels.
-// Twin of splat::masses.
+// Twin of splat::masses; saturated where it is read, in widths.wgsl.
 
-@group(0) @binding(2) var<storage, read> starts: array<u32>;
-@group(0) @binding(3) var<storage, read> sorted: array<vec4<u32>>;
-@group(0) @binding(4) var<storage, read_write> mass: array<u32>;
-
-// The most that one pixel's mass counts: 64 samples.
-const MASS_LIMIT: u32 = 2097152u;
+@group(0) @binding(2) var<storage, read> ring: Ring;
+@group(0) @binding(3) var<storage, read> projected: array<Projected>;
+// Low and high half of 64 bits; all zero before.
+@group(0) @binding(4) var<storage, read_write> mass: array<array<atomic<u32>, 2>>;
 
 @compute @workgroup_size(64)
 fn main(
@@ -15,19 +13,11 @@ fn main(
     @builtin(local_invocation_index) local: u32,
 ) {
     let i = linear(group, groups, local);
-    if i >= pixels() { return; }
-    let x = i32(i) % params.width;
-    let y = i32(i) / params.width;
-    let left = select(x, -GUARD, x == 0i);
-    let right = select(x, x + GUARD, x == params.width - 1i);
-    let top = select(y, -GUARD, y == 0i);
-    let bottom = select(y, y + GUARD, y == params.height - 1i);
-    var sum = 0u;
-    for (var row = top; row <= bottom; row++) {
-        let end = starts[bin_at(right, row) + 1u];
-        for (var k = starts[bin_at(left, row)]; k < end && sum < MASS_LIMIT; k++) {
-            sum = min(sum + (sorted[k].z >> 16u), MASS_LIMIT);
-        }
-    }
-    mass[i] = sum;
+    if i >= ring.len { return; }
+    let sample = projected[i];
+    let weight = sample.depth_weight >> 16u;
+    if weight == 0u { return; }
+    let at = nearest_pixel(pixel(low16(sample.at)), pixel(sample.at >> 16u));
+    let before = atomicAdd(&mass[at][0], weight);
+    if before + weight < before { atomicAdd(&mass[at][1], 1u); }
 }

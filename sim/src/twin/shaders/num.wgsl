@@ -33,8 +33,9 @@ fn log2_q11(v: W64) -> i32 {
     let mantissa = normalise(v) << 1u;
     let chord = mantissa >> 26u;
     let along = (mantissa >> 16u) & 0x3ffu;
-    let a = tables.log2_q11[chord];
-    let b = tables.log2_q11[chord + 1u];
+    let ends = tables.log2_q11[chord];
+    let a = ends & 0xffffu;
+    let b = ends >> 16u;
     return exponent(v) * 2048i + i32(a + (((b - a) * along + 512u) >> 10u));
 }
 
@@ -43,8 +44,9 @@ fn exp2_negative(v: u32) -> u32 {
     let whole = v >> 12u;
     if whole > 15u { return 0u; }
     let chord = (v >> 4u) & 0xffu;
-    let a = tables.exp2_q15[chord];
-    let b = tables.exp2_q15[chord + 1u];
+    let ends = tables.exp2_q15[chord];
+    let a = ends & 0xffffu;
+    let b = ends >> 16u;
     let mantissa = (a << 4u) - (a - b) * (v & 15u);
     return (mantissa + (8u << whole)) >> (4u + whole);
 }

@@ -13,7 +13,7 @@ const CELL_BITS: u32 = 2u;
 const LOG2_MICROS: i32 = 40820i;
 // First entry of the table of time kernels, log2 with 8 fractional bits.
 const TIME_FIRST: i32 = -2048i;
-const TIME_LEN: u32 = 3072u;
+const TIME_CHORDS: u32 = 3071u;
 
 // Of unframed_recon::extents, log2 with 8 fractional bits.
 const LEAST_SPATIAL: i32 = -2039i;
@@ -119,9 +119,9 @@ fn decline(age: u32, lifetime: i32) -> u32 {
     let log = log2_q11(w64_from_u32(age)) - LOG2_MICROS - lifetime - 8i * TIME_FIRST;
     let u = u32(max(log, 0i));
     let chord = u >> 3u;
-    if chord + 1u >= TIME_LEN { return 0u; }
-    let a = tables.time[chord];
-    let b = tables.time[chord + 1u];
+    if chord >= TIME_CHORDS { return 0u; }
+    let a = low16(tables.time[chord]);
+    let b = tables.time[chord] >> 16u;
     return a - (((a - b) * (u & 7u) + 4u) >> 3u);
 }
 

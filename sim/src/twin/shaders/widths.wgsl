@@ -1,9 +1,16 @@
 // The filter width of each pixel, from the mass in the 5 × 5 pixels around, and what its taps
 // need. Twin of splat::widths.
 
-@group(0) @binding(2) var<storage, read> mass: array<u32>;
+@group(0) @binding(2) var<storage, read> mass: array<W64>;
 // Width (as i32 bits) and footprint.
 @group(0) @binding(3) var<storage, read_write> widths: array<vec2<u32>>;
+
+// The most that one pixel's mass counts: 64 samples.
+const MASS_LIMIT: u32 = 2097152u;
+
+fn saturated(mass: W64) -> u32 {
+    return select(min(mass.x, MASS_LIMIT), MASS_LIMIT, mass.y != 0u);
+}
 
 fn width_of(mass: u32) -> i32 {
     // log2(0.55 · 5) is 2989; a mass has 15 fractional bits.
@@ -25,7 +32,7 @@ fn main(
     var sum = 0u;
     for (var row = max(y - 2i, 0i); row < min(y + 3i, params.height); row++) {
         for (var column = max(x - 2i, 0i); column < min(x + 3i, params.width); column++) {
-            sum += mass[row * params.width + column];
+            sum += saturated(mass[row * params.width + column]);
         }
     }
     let width = width_of(sum);
