@@ -76,6 +76,9 @@ pub struct Projected<A: Arith> {
     pub weight: A::Weight,
     /// Filter widths in x and y.
     pub widths: [A::Width; 2],
+    /// How deep an occluder may lie that could have hidden it since it was taken, at rest and
+    /// with moving objects, see [`crate::motion`].
+    pub reach: [A::Depth; 2],
 }
 
 /// A colour and how much is known of it.
@@ -141,6 +144,10 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
     /// Depth made farther by the tolerance of the hidden-point test at cells of `cell` pixels
     /// (1, 2 or 32): a factor of 1 + 0.05·cell.
     fn behind(depth: Self::Depth, cell: u32) -> Self::Depth;
+
+    /// The depth whose log2 in world units is `q11`, 11 fractional bits; clamped to what is told
+    /// apart.
+    fn depth_of_log(q11: i32) -> Self::Depth;
 
     /// log2 of the lifetime at a place, seconds, bilinear between tiles.
     fn lifetime(map: &TileMap<'_>, panel: &Panel, x: Self::Coord, y: Self::Coord) -> Self::Log;

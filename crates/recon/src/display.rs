@@ -7,6 +7,7 @@ use crate::arith::{Arith, Panel, Projected};
 use crate::config::{Config, Extents, Fit, Lifetime, Light, Mode};
 use crate::deep::{DeepBuffer, Placing, Stored, age, slot};
 use crate::memory::{Memory, SetupError, Slot};
+use crate::motion::{Motion, Reach};
 use crate::splat::{self, Target};
 use crate::tables::{SRGB_TO_LINEAR, linear_to_srgb};
 use crate::tiles::TileMap;
@@ -25,6 +26,14 @@ pub static ENCODED: [u16; 256] = {
         c += 1;
     }
     table
+};
+
+/// Stands in before the first View: nothing can be placed then.
+const NO_VIEW: View = View {
+    time: Tick(0),
+    eye: [0; 3],
+    rows: [[0; 3]; 3],
+    frac_bits: 0,
 };
 
 /// What a display has received, and what became of it.
@@ -50,6 +59,7 @@ pub struct Display<'a, A: Arith> {
     projected: &'a mut [Projected<A>],
     minima: &'a mut [A::Depth],
     limits: &'a mut [A::Depth],
+    movers: &'a mut [u8],
     mass: &'a mut [A::Mass],
     widths: &'a mut [A::Width],
     target: Target<'a, A>,
@@ -60,6 +70,7 @@ pub struct Display<'a, A: Arith> {
     hello: Option<Hello>,
     view: Option<View>,
     composed: bool,
+    motion: Motion,
     counts: Counts,
 }
 
@@ -95,6 +106,7 @@ impl<'a, A: Arith> Display<'a, A> {
             projected: memory.projected,
             minima: &mut memory.minima[..hidden::minima_len(width, height)],
             limits: &mut memory.limits[..pixels],
+            movers: &mut memory.movers[..pixels],
             mass: &mut memory.mass[..pixels],
             widths: &mut memory.widths[..pixels],
             target: Target {
@@ -108,6 +120,7 @@ impl<'a, A: Arith> Display<'a, A> {
             hello: None,
             view: None,
             composed: false,
+            motion: Motion::new(),
             counts: Counts::default(),
         })
     }
@@ -214,6 +227,7 @@ impl<'a, A: Arith> Display<'a, A> {
     /// The scene changed wholly: nothing stored is true any more.
     pub fn cut(&mut self) {
         self.deep.clear();
+        self.motion.clear();
     }
 
     /// Takes a sample that can be reprojected, taken at `time`.
@@ -317,12 +331,15 @@ impl<'a, A: Arith> Display<'a, A> {
             return;
         }
         self.compose();
-        self.project(refresh.time);
+        let reach = self.reach(refresh.time);
+        self.project(refresh.time, &reach);
         let len = self.deep.len();
         if self.config.hidden {
-            hidden::nearest(&self.panel, &self.projected[..len], self.minima);
-            hidden::limits::<A>(&self.panel, self.minima, self.limits);
-            self.drop_hidden();
+            let (panel, projected) = (&self.panel, &mut self.projected[..len]);
+            hidden::nearest(panel, projected, self.minima);
+            hidden::limits::<A>(panel, self.minima, self.limits);
+            hidden::mark_movers(panel, self.deep.samples(), projected, self.movers);
+            hidden::drop(panel, self.limits, self.movers, projected);
         }
         self.set_widths();
         let light = match self.config.light {
@@ -349,8 +366,19 @@ impl<'a, A: Arith> Display<'a, A> {
         self.encode();
     }
 
+    /// How far occlusion can reach at this refresh.
+    fn reach(&mut self, now: Tick) -> Reach<A> {
+        match &self.view {
+            Some(view) => {
+                self.motion.refresh(now, view, self.slots);
+                self.motion.reach(view)
+            }
+            None => self.motion.reach(&NO_VIEW),
+        }
+    }
+
     /// Moves every stored sample to the refresh instant and weighs it by its age.
-    fn project(&mut self, now: Tick) {
+    fn project(&mut self, now: Tick, reach: &Reach<A>) {
         let (config, panel) = (&self.config, &self.panel);
         for (sample, projected) in self.deep.samples_mut().iter_mut().zip(&mut *self.projected) {
             *projected = Projected::default();
@@ -385,30 +413,17 @@ impl<'a, A: Arith> Display<'a, A> {
                 widths = [A::width(log.into()); 2];
             }
             let weight = A::decline(config.kernel, age, lifetime);
+            // A sample of a moving object may itself have moved behind something.
+            let moves = sample.slot > slot(0);
+            let reach = [reach.of(age, moves), reach.of(age, true)];
             *projected = Projected {
                 x,
                 y,
                 depth,
                 weight,
                 widths,
+                reach,
             };
-        }
-    }
-
-    fn drop_hidden(&mut self) {
-        let panel = &self.panel;
-        for sample in &mut self.projected[..self.deep.len()] {
-            if !A::counts(sample.weight) {
-                continue;
-            }
-            let pixel = panel.nearest(A::pixel(panel, sample.x), A::pixel(panel, sample.y));
-            if self
-                .limits
-                .get(pixel)
-                .is_some_and(|limit| *limit < sample.depth)
-            {
-                sample.weight = A::Weight::default();
-            }
         }
     }
 

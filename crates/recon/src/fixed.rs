@@ -125,6 +125,10 @@ impl Arith for Fixed {
         })
     }
 
+    fn depth_of_log(q11: i32) -> u16 {
+        q11.saturating_sub(DEPTH_FIRST * 2048).clamp(0, 65534) as u16
+    }
+
     #[inline]
     fn lifetime(map: &TileMap<'_>, panel: &Panel, x: u16, y: u16) -> i32 {
         let ((column, fx), (row, fy)) = (between_cells(panel, x), between_cells(panel, y));

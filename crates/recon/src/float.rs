@@ -90,6 +90,10 @@ macro_rules! float_arith {
                 depth + $log2(1.0 + 0.05 * cell as $float)
             }
 
+            fn depth_of_log(q11: i32) -> $float {
+                q11 as $float / 2048.0
+            }
+
             fn lifetime(map: &TileMap<'_>, _: &Panel, x: $float, y: $float) -> $float {
                 let (cells, fx, fy) = around(map, x as f64, y as f64);
                 bilinear(&cells, fx, fy, |cell| cell.lifetime) as $float

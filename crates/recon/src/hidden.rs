@@ -5,8 +5,12 @@
 //! *most* of the 3 × 3 cells around it: behind the 7th smallest minimum at cells of 1 pixel, the
 //! 8th at 2 pixels, the largest at 32 pixels, each with a tolerance of 5 % of the depth times the
 //! cell's side. Minima commute, so the order of samples does not matter.
+//!
+//! And a sample is spared where nothing can have moved before it since it was taken, see
+//! [`crate::motion`].
 
 use crate::arith::{Arith, Panel, Projected};
+use crate::deep::{Stored, slot};
 
 /// Sides of the cells, pixels.
 pub const CELLS: [usize; 3] = [1, 2, 32];
@@ -68,6 +72,50 @@ pub fn nearest<A: Arith>(panel: &Panel, projected: &[Projected<A>], minima: &mut
                     *cell = sample.depth;
                 }
             }
+        }
+    }
+}
+
+/// Marks the pixels within one pixel of a sample of a moving object.
+pub fn mark_movers<A: Arith>(
+    panel: &Panel,
+    samples: &[Stored],
+    projected: &[Projected<A>],
+    movers: &mut [u8],
+) {
+    movers.fill(0);
+    let moving = |sample: &Stored| sample.slot > slot(0);
+    for (_, at) in samples
+        .iter()
+        .zip(projected)
+        .filter(|(s, at)| moving(s) && A::counts(at.weight))
+    {
+        let (x, y) = (A::pixel(panel, at.x), A::pixel(panel, at.y));
+        for dy in -1..=1 {
+            for dx in -1..=1 {
+                if let Some(mark) = movers.get_mut(panel.nearest(x + dx, y + dy)) {
+                    *mark = 1;
+                }
+            }
+        }
+    }
+}
+
+/// Takes the weight from samples that are hidden.
+pub fn drop<A: Arith>(
+    panel: &Panel,
+    limits: &[A::Depth],
+    movers: &[u8],
+    projected: &mut [Projected<A>],
+) {
+    for sample in projected.iter_mut().filter(|s| A::counts(s.weight)) {
+        let pixel = panel.nearest(A::pixel(panel, sample.x), A::pixel(panel, sample.y));
+        let (Some(limit), Some(mover)) = (limits.get(pixel), movers.get(pixel)) else {
+            continue;
+        };
+        let reach = sample.reach[usize::from(*mover)];
+        if *limit < sample.depth && *limit <= reach {
+            sample.weight = A::Weight::default();
         }
     }
 }

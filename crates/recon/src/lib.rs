@@ -10,7 +10,7 @@
 //! | integer kernels, compile-time tables | [`num`], [`tables`] |
 //! | what arithmetic is, in integers and in floats | [`arith`], [`fixed`], `float` |
 //! | what is kept | [`deep`], [`tiles`], [`memory`], `heap` |
-//! | the steps of a refresh | [`transform`], [`hidden`], [`extents`], [`splat`], [`solve`], [`fill`] |
+//! | the steps of a refresh | [`transform`], [`motion`], [`hidden`], [`extents`], [`splat`], [`solve`], [`fill`] |
 //! | all together | [`config`], [`display`], [`player`], [`scanout`] |
 //!
 //! Nothing here panics on any input: packets are checked on arrival (`transform::*_is_sound`),
@@ -35,6 +35,7 @@ pub mod float;
 pub mod heap;
 pub mod hidden;
 pub mod memory;
+pub mod motion;
 pub mod num;
 pub mod player;
 pub mod scanout;

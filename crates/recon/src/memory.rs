@@ -5,14 +5,14 @@
 //! | what | bytes |
 //! |---|---|
 //! | deep buffer | 16 N |
-//! | projected samples | 12 N |
+//! | projected samples | 16 N |
 //! | minima and limits | 2 (2.25 + 1/1024) W H |
-//! | masses and widths | 6 W H |
+//! | movers, masses and widths | 7 W H |
 //! | sums | 32 W H, and 88 W H more for planes |
 //! | texels with their pyramid | 8 · 4/3 W H |
 //! | picture | 3 W H |
 //! | tile map | 5 W H / 16 |
-//! | poses and their transforms | 168 O |
+//! | poses and their transforms | 232 O |
 
 use crate::arith::{Arith, Moments, Panel, Projected, Sums, Texel};
 use crate::deep::Stored;
@@ -26,6 +26,8 @@ use unframed_wire::Pose;
 pub struct Slot<A: Arith> {
     /// The newest pose received.
     pub pose: Option<Pose>,
+    /// The pose at the last refresh.
+    pub shown: Option<Pose>,
     /// View and pose composed.
     pub transform: Option<A::Transform>,
 }
@@ -34,6 +36,7 @@ impl<A: Arith> Default for Slot<A> {
     fn default() -> Self {
         Self {
             pose: None,
+            shown: None,
             transform: None,
         }
     }
@@ -42,7 +45,7 @@ impl<A: Arith> Default for Slot<A> {
 /// How long each slice of a [`Memory`] must be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Needs {
-    /// W·H: limits, mass, widths, sums, texels, picture; moments where planes are fitted.
+    /// W·H: limits, movers, mass, widths, sums, texels, picture; moments where planes are fitted.
     pub pixels: usize,
     /// Levels of minima.
     pub minima: usize,
@@ -76,6 +79,8 @@ pub struct Memory<'a, A: Arith> {
     pub minima: &'a mut [A::Depth],
     /// See [`Needs::pixels`].
     pub limits: &'a mut [A::Depth],
+    /// See [`Needs::pixels`].
+    pub movers: &'a mut [u8],
     /// See [`Needs::pixels`].
     pub mass: &'a mut [A::Mass],
     /// See [`Needs::pixels`].
@@ -145,6 +150,7 @@ impl<A: Arith> Memory<'_, A> {
             ("projected", self.samples.len(), self.projected.len()),
             ("minima", needs.minima, self.minima.len()),
             ("limits", needs.pixels, self.limits.len()),
+            ("movers", needs.pixels, self.movers.len()),
             ("mass", needs.pixels, self.mass.len()),
             ("widths", needs.pixels, self.widths.len()),
             ("sums", needs.pixels, self.sums.len()),
@@ -187,6 +193,7 @@ pub struct Storage<
     projected: [Projected<A>; N],
     minima: [A::Depth; M],
     limits: [A::Depth; P],
+    movers: [u8; P],
     mass: [A::Mass; P],
     widths: [A::Width; P],
     sums: [Sums<A>; P],
@@ -216,6 +223,7 @@ impl<
             projected: &mut self.projected,
             minima: &mut self.minima,
             limits: &mut self.limits,
+            movers: &mut self.movers,
             mass: &mut self.mass,
             widths: &mut self.widths,
             sums: &mut self.sums,
@@ -246,6 +254,7 @@ impl<
             projected: [Projected::default(); N],
             minima: [A::Depth::default(); M],
             limits: [A::Depth::default(); P],
+            movers: [0; P],
             mass: [A::Mass::default(); P],
             widths: [A::Width::default(); P],
             sums: [Sums::<A>::default(); P],
