@@ -16,7 +16,7 @@ const HALF: f32 = 6.0;
 const HEIGHT: f32 = 4.0;
 
 pub(super) fn scene() -> Scene {
-    let ambient = Vec3::new(0.16, 0.17, 0.2);
+    let ambient = Vec3::new(0.2, 0.21, 0.24);
     let sky = Sky {
         zenith: Vec3::splat(0.5),
         horizon: Vec3::splat(0.5),
@@ -28,10 +28,10 @@ pub(super) fn scene() -> Scene {
     railing(&mut stage);
     things(&mut stage);
     // Beside the rod of the wheel, whose spokes then cut its light.
-    stage.point_light(None, Vec3::new(0.35, 3.65, 0.3), [34.0, 31.0, 26.0]);
-    stage.point_light(None, Vec3::new(-4.6, 2.6, -4.4), [7.0, 8.0, 10.0]);
+    stage.point_light(None, Vec3::new(0.35, 3.65, 0.3), [62.0, 57.0, 48.0]);
+    stage.point_light(None, Vec3::new(-4.6, 2.6, -4.4), [14.0, 16.0, 20.0]);
 
-    let (door, near, far) = ([4.6, 1.6, 4.6], [2.3, 1.5, 0.9], [-3.4, 1.7, 3.2]);
+    let (door, near, far) = ([4.6, 1.6, 4.6], [1.6, 1.5, 1.2], [-3.4, 1.7, 2.9]);
     let (middle, left, sphere) = ([0.0, 1.2, 0.0], [-4.5, 1.4, 4.5], [2.0, 0.8, -2.4]);
     let wires = [-4.0, 2.6, -3.0];
     stage.camera(
@@ -51,10 +51,10 @@ pub(super) fn scene() -> Scene {
             view(5.0, far, middle),
             view(5.4, far, middle),
             view(5.6, far, [3.0, 1.8, 5.0]),
-            view(6.2, [1.2, 1.2, 4.4], [3.0, 1.8, 5.0]),
-            view(6.7, [1.2, 1.2, 4.4], [3.0, 1.8, 5.0]),
-            view(7.0, [1.2, 1.2, 4.4], sphere),
-            view(7.3, [1.2, 1.2, 4.4], sphere),
+            view(6.2, [1.2, 1.2, 3.0], [3.0, 1.8, 5.0]),
+            view(6.7, [1.2, 1.2, 3.0], [3.0, 1.8, 5.0]),
+            view(7.0, [1.2, 1.2, 3.0], sphere),
+            view(7.3, [1.2, 1.2, 3.0], sphere),
             view(8.0, door, middle),
         ],
         true,
@@ -258,11 +258,11 @@ fn things(stage: &mut Stage) {
     stage.spin(skin, Vec3::new(0.6, 0.0, 0.8), 4);
     // Parabolas as cubic splines: a hop of 1 s, three places in turn.
     let stops = [
-        [-1.5, 2.2],
+        [-1.5, 2.1],
         [-0.2, 1.6],
-        [1.0, 2.8],
-        [-0.2, 3.0],
-        [-1.5, 2.2],
+        [1.0, 2.1],
+        [-0.2, 1.2],
+        [-1.5, 2.1],
     ];
     let (mut times, mut keys) = (Vec::new(), Vec::new());
     for (i, stop) in stops.iter().enumerate() {

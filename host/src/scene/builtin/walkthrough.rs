@@ -38,9 +38,9 @@ pub(super) fn scene() -> Scene {
         &[
             view(0.0, [4.6, 1.6, 4.6], [0.0, 1.5, 2.6]),
             view(1.0, [2.4, 1.5, 2.0], [-2.0, 1.2, 0.6]),
-            view(2.0, [-0.4, 1.35, 1.3], [-3.6, 1.3, 0.2]),
+            view(2.0, [-0.4, 1.15, 1.45], [-3.6, 1.3, 0.2]),
             view(3.0, [-3.2, 1.5, 1.9], [-6.0, 1.4, -2.4]),
-            view(4.0, [-6.3, 1.6, -0.4], [-5.6, 1.5, -5.0]),
+            view(4.0, [-6.5, 1.6, -0.6], [-5.6, 1.5, -5.0]),
             view(5.0, [-5.0, 1.5, -4.4], [0.0, 1.3, -5.2]),
             view(6.0, [-1.0, 1.3, -3.9], [3.4, 1.0, -2.2]),
             view(7.0, [3.1, 1.5, -0.6], [4.2, 1.4, 3.4]),
@@ -170,8 +170,8 @@ fn stairs(stage: &mut Stage) {
         let s = 0.12 * i as f32;
         bars = bars
             .bar(
-                Vec3::new(1.8 + s, 0.0, 3.6),
-                Vec3::new(1.8 + s, 2.0, 3.6),
+                Vec3::new(0.2 + s, 0.0, 3.6),
+                Vec3::new(0.2 + s, 2.0, 3.6),
                 0.009,
                 5,
             )
@@ -185,7 +185,7 @@ fn stairs(stage: &mut Stage) {
             bars = bars.bar(Vec3::new(5.6, s, -2.0), Vec3::new(5.6, s, 0.88), 0.009, 5);
         }
     }
-    let top = Shape::of(brass).bar(Vec3::new(1.7, 2.0, 3.6), Vec3::new(4.8, 2.0, 3.6), 0.03, 8);
+    let top = Shape::of(brass).bar(Vec3::new(0.1, 2.0, 3.6), Vec3::new(3.2, 2.0, 3.6), 0.03, 8);
     let parts = vec![steps.done(), bars.done(), rail.done(), top.done()];
     stage.solid("stairs", None, Vec3::ZERO, parts);
 }
