@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::eval::EvalMethod;
 use crate::method::Method;
 
 /// A frameless renderer and the display it feeds.
@@ -28,6 +29,8 @@ pub enum Command {
     Inspect(InspectArgs),
     /// What a scene calls for; without SCENE, the built-in scenes.
     Scenes(ScenesArgs),
+    /// Every method against the ideal renderer, every refresh counted.
+    Eval(EvalArgs),
 }
 
 /// The scene and how it is sampled.
@@ -170,6 +173,58 @@ pub struct ScenesArgs {
     /// Print one JSON object instead of text.
     #[arg(long)]
     pub json: bool,
+}
+
+/// `unframed eval`
+#[derive(Debug, Clone, Args)]
+pub struct EvalArgs {
+    /// Built-in scenes and .glb or .gltf files.
+    #[arg(value_name = "SCENE", default_values = ["interactive", "walkthrough", "toycar"])]
+    pub scenes: Vec<String>,
+    /// Samples a second, separated by commas.
+    #[arg(long, value_delimiter = ',', default_value = "100k,400k,800k", value_parser = parse_rate)]
+    pub rates: Vec<u32>,
+    /// Methods, separated by commas; all without this.
+    #[arg(long, value_delimiter = ',')]
+    pub methods: Vec<EvalMethod>,
+    /// Simulated time, seconds.
+    #[arg(long, default_value_t = 3.0, value_parser = parse_seconds)]
+    pub seconds: f64,
+    /// How many seeds, from 1 on: mean and spread are reported.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
+    pub seeds: u16,
+    /// Panel size in pixels, WIDTHxHEIGHT.
+    #[arg(long, default_value = "256x256", value_parser = parse_size)]
+    pub size: Size,
+    /// Samples that a display remembers.
+    #[arg(long, default_value = "400k", value_parser = parse_rate)]
+    pub samples: u32,
+    /// Also measure ColorVideoVDP (0.1 s a refresh of 256x256).
+    #[arg(long)]
+    pub cvvdp: bool,
+    /// Do not measure FLIP (0.02 s a refresh of 256x256).
+    #[arg(long)]
+    pub no_flip: bool,
+    /// Also find out how much of the error is age: at three refreshes all stored samples are
+    /// traced again.
+    #[arg(long)]
+    pub causes: bool,
+    /// Cells that run at once; all cores without this. Changes no result.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+    /// Numbers, plots and pictures go into this directory, and finished cells, so that the same
+    /// command goes on where it was stopped.
+    #[arg(long, default_value = "unframed-eval")]
+    pub out: PathBuf,
+    /// Keep ideal images in this directory; OUT/ideals without this.
+    #[arg(long)]
+    pub cache: Option<PathBuf>,
+    /// Write the numbers to this file too.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Measure all cells again, even finished ones.
+    #[arg(long)]
+    pub fresh: bool,
 }
 
 /// A panel's size, pixels.

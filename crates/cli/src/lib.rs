@@ -3,10 +3,12 @@
 //!
 //! - [`args`]: what a user types; [`method`]: samplers, streams and reconstructions by name;
 //! - [`panel`]: the display hardware to show on; [`measure`]: a run against the ideal;
+//! - [`eval`]: all methods against the ideal, cell by cell;
 //! - [`commands`]: one module a command; [`pages`], [`report`]: what they write.
 
 pub mod args;
 pub mod commands;
+pub mod eval;
 pub mod measure;
 pub mod method;
 pub mod pages;

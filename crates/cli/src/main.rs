@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use unframed_cli::args::{Cli, Command, RunArgs};
-use unframed_cli::commands::{inspect, play, record, run, scenes};
+use unframed_cli::commands::{eval, inspect, play, record, run, scenes};
 
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
@@ -14,6 +14,7 @@ fn main() -> ExitCode {
         Some(Command::Play(args)) => play::play(&args),
         Some(Command::Inspect(args)) => inspect::inspect(&args),
         Some(Command::Scenes(args)) => scenes::scenes(&args),
+        Some(Command::Eval(args)) => eval::eval(&args),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

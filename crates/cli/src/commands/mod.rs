@@ -1,5 +1,6 @@
 //! The commands, one module each.
 
+pub mod eval;
 pub mod inspect;
 pub mod live;
 pub mod play;

@@ -1,0 +1,384 @@
+//! One method on one scene at one rate with one seed.
+
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::{Context, Result, ensure};
+use serde::{Deserialize, Serialize};
+use unframed_host::drive::Host;
+use unframed_host::framed::Framed;
+use unframed_host::stream::sender::Promise;
+use unframed_host::trace::World;
+use unframed_metrics::{
+    ErrorShares, Image, PixelClass, Sequence, SequenceOptions, SquaredError, Totals,
+};
+
+use super::ideals::Reference;
+use super::methods::{EvalMethod, Setting, Way};
+use super::oracle::Oracle;
+use super::store::{Key, slug, write_whole};
+use crate::args::{DisplayKind, Size};
+use crate::measure::REFRESH_HZ;
+use crate::panel::{Order, with_panel};
+use crate::report::Picture;
+
+/// Raise this when what a cell means changes: old files are not used any more.
+const VERSION: u32 = 1;
+
+/// What all cells of an evaluation share.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Settings {
+    /// Panel size, pixels.
+    pub size: Size,
+    /// Refreshes, all of which count.
+    pub refreshes: u32,
+    /// Samples that a display remembers.
+    pub samples: u32,
+    /// Measure ꟻLIP.
+    pub flip: bool,
+    /// Measure ColorVideoVDP.
+    pub cvvdp: bool,
+    /// Find out how much of the error is age.
+    pub causes: bool,
+}
+
+impl Settings {
+    /// The refreshes whose pictures are kept: three, spread evenly.
+    #[must_use]
+    pub fn kept(&self) -> Vec<u32> {
+        let mut kept: Vec<u32> = [1, 3, 5].map(|k| self.refreshes * k / 6).to_vec();
+        kept.dedup();
+        kept
+    }
+}
+
+/// What is to be done.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Job {
+    /// The scene as typed.
+    pub scene: String,
+    /// Key of its contents.
+    pub scene_key: String,
+    /// The method.
+    pub method: EvalMethod,
+    /// Camera samples a second.
+    pub rate: u32,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// What all cells share.
+    pub settings: Settings,
+}
+
+impl Job {
+    /// The name of its files: what a reader wants to know, and the key of all that decides the
+    /// result, the method's own settings included.
+    #[must_use]
+    pub fn file_stem(&self) -> String {
+        let key = Key::default().with(format_args!(
+            "{VERSION} {} {} {} {:?} {REFRESH_HZ}",
+            self.scene_key,
+            self.rate,
+            self.seed,
+            self.settings,
+        ));
+        let key = key.with(format_args!("{}", self.method.fingerprint()));
+        format!("{}-{}-{}-{}-{key}", slug(&self.scene), self.method, self.rate, self.seed)
+    }
+}
+
+/// A class's part of the error.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ClassShare {
+    /// Its name.
+    pub class: String,
+    /// Share of all squared error, 0..=1.
+    pub error: f64,
+    /// Share of all pixels, 0..=1.
+    pub area: f64,
+}
+
+/// A refresh's numbers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Point {
+    /// Its instant, seconds.
+    pub time: f64,
+    /// Against the ideal image, 0..=255.
+    pub rmse: f64,
+    /// The same by ꟻLIP, 0..=1.
+    pub flip: Option<f64>,
+}
+
+/// What was measured.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cell {
+    /// The scene as typed.
+    pub scene: String,
+    /// The method's name.
+    pub method: String,
+    /// The setting that did best, where the method has several.
+    pub setting: String,
+    /// Camera samples a second.
+    pub rate: u32,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// Root of the mean of squares over all refreshes, pixels and R, G, B of displayed sRGB
+    /// values, 0..=255.
+    pub rmse: f64,
+    /// Of that, dB; none where nothing differs.
+    pub psnr: Option<f64>,
+    /// Mean ꟻLIP.
+    pub flip: Option<f64>,
+    /// ColorVideoVDP over the whole, JOD, at most 10.
+    pub cvvdp: Option<f64>,
+    /// The worst refresh's.
+    pub worst_rmse: f64,
+    /// When that was, seconds.
+    pub worst_time: f64,
+    /// What 95 % of the refreshes do not exceed.
+    pub p95_rmse: f64,
+    /// Camera samples taken.
+    pub samples: u64,
+    /// Bytes of the stream; 0 of what has none.
+    pub stream_bytes: u64,
+    /// Seconds on one core that the renderer took.
+    pub seconds_host: f64,
+    /// Seconds on one core that the display took.
+    pub seconds_display: f64,
+    /// Instants at which the host announced a cut, seconds.
+    pub cuts: Vec<f64>,
+    /// Share of the squared error that would vanish if every stored sample were of the refresh
+    /// instant, if it was asked for and there is a stream of places; at the kept refreshes.
+    pub stale: Option<f64>,
+    /// The error by class of pixel.
+    pub classes: Vec<ClassShare>,
+    /// Each refresh.
+    pub refreshes: Vec<Point>,
+    /// Which program measured it.
+    pub build: String,
+}
+
+/// Runs a job, and writes the pictures that are kept beside `stem`. The best setting counts.
+///
+/// # Errors
+/// When a display or a metric fails, or pictures cannot be written.
+pub fn run(
+    job: &Job,
+    world: &World,
+    references: &[Reference],
+    stem: &Path,
+    build: &str,
+    tick: &(dyn Fn() + Sync),
+) -> Result<Cell> {
+    let mut best: Option<(Cell, Vec<(u32, Picture)>)> = None;
+    for setting in job.method.settings() {
+        let mut run = Run::new(job, references, tick)?;
+        match job.method.way(world, job.rate, job.seed, setting) {
+            Way::Frames(mut framed) => run.frames(framed.as_mut())?,
+            way @ Way::Stream { .. } => run.stream(world, way)?,
+        }
+        let (cell, pictures) = run.finish(setting, build)?;
+        if best.as_ref().is_none_or(|(known, _)| cell.rmse < known.rmse) {
+            best = Some((cell, pictures));
+        }
+    }
+    let (cell, pictures) = best.context("a method has at least one setting")?;
+    for (index, picture) in pictures {
+        write_whole(&picture_path(stem, index), &picture.png()?)?;
+    }
+    Ok(cell)
+}
+
+/// Where the picture of a kept refresh is.
+#[must_use]
+pub fn picture_path(stem: &Path, index: u32) -> std::path::PathBuf {
+    let mut name = stem.as_os_str().to_owned();
+    name.push(format!("-{index:05}.png"));
+    name.into()
+}
+
+/// A job under way.
+struct Run<'a> {
+    job: &'a Job,
+    references: &'a [Reference],
+    tick: &'a (dyn Fn() + Sync),
+    kept: Vec<u32>,
+    sequence: Sequence,
+    shares: ErrorShares,
+    pictures: Vec<(u32, Picture)>,
+    samples: u64,
+    stream_bytes: u64,
+    seconds_host: f64,
+    seconds_display: f64,
+    cuts: Vec<f64>,
+    /// Squared errors as shown and without age.
+    causes: Option<(u64, u64)>,
+}
+
+impl<'a> Run<'a> {
+    fn new(job: &'a Job, references: &'a [Reference], tick: &'a (dyn Fn() + Sync)) -> Result<Self> {
+        let settings = &job.settings;
+        let options = SequenceOptions {
+            flip: settings.flip,
+            video: settings.cvvdp,
+            refresh_rate: REFRESH_HZ as f32,
+            ..SequenceOptions::default()
+        };
+        let (width, height) = (settings.size.width, settings.size.height);
+        Ok(Self {
+            job,
+            references,
+            tick,
+            kept: settings.kept(),
+            sequence: Sequence::new(width.into(), height.into(), options)?,
+            shares: ErrorShares::default(),
+            pictures: Vec::new(),
+            samples: 0,
+            stream_bytes: 0,
+            seconds_host: 0.0,
+            seconds_display: 0.0,
+            cuts: Vec::new(),
+            causes: None,
+        })
+    }
+
+    fn image<'p>(&self, pixels: &'p [[u8; 3]]) -> Result<Image<'p>> {
+        let size = self.job.settings.size;
+        Ok(Image::new(pixels, size.width.into(), size.height.into())?)
+    }
+
+    /// Takes the picture of a refresh.
+    fn score(&mut self, index: u32, shown: &[[u8; 3]]) -> Result<()> {
+        let reference = &self.references[index as usize];
+        self.sequence.push(&reference.image, shown, reference.time)?;
+        let (ideal, image) = (self.image(&reference.image)?, self.image(shown)?);
+        self.shares.push(ideal, image, &reference.classes)?;
+        if self.kept.contains(&index) {
+            let picture = Picture::new(image.width(), image.height(), shown.to_vec())?;
+            self.pictures.push((index, picture));
+        }
+        (self.tick)();
+        Ok(())
+    }
+
+    fn frames(&mut self, framed: &mut dyn Framed) -> Result<()> {
+        for (index, reference) in self.references.iter().enumerate() {
+            let clock = Instant::now();
+            framed.show(reference.time);
+            self.seconds_host += clock.elapsed().as_secs_f64();
+            self.score(index as u32, framed.picture())?;
+        }
+        self.samples = framed.samples();
+        Ok(())
+    }
+
+    fn stream(&mut self, world: &World, way: Way) -> Result<()> {
+        let Way::Stream { sampler, layout, tile_fields, display } = way else {
+            return Ok(());
+        };
+        let job = self.job;
+        let promise =
+            Promise { layout, tile_fields, rate: job.rate, refresh_millihertz: REFRESH_HZ * 1000 };
+        let order = Order {
+            kind: DisplayKind::Cpu,
+            config: display,
+            width: job.settings.size.width,
+            height: job.settings.size.height,
+            samples: job.settings.samples,
+        };
+        let mut host = Host::new(world.clone(), sampler, promise);
+        let reprojects = display.reproject && layout == unframed_wire::Layout::World;
+        let mut oracle = (job.settings.causes && reprojects).then(|| Oracle::new(order));
+        with_panel(&order, |panel, _| {
+            let mut bytes = Vec::new();
+            for index in 0..self.references.len() as u32 {
+                bytes.clear();
+                let clock = Instant::now();
+                let step = host.advance(&mut bytes)?;
+                self.seconds_host += clock.elapsed().as_secs_f64();
+                if step.cut {
+                    self.cuts.push(step.time);
+                }
+                let clock = Instant::now();
+                let mut input = &bytes[..];
+                while panel.push(&mut input)?.is_some() {}
+                self.seconds_display += clock.elapsed().as_secs_f64();
+                self.score(index, panel.picture())?;
+                if let Some(oracle) = &mut oracle {
+                    oracle.receive(&bytes, host.shots());
+                    if self.kept.contains(&index) {
+                        let fresh = oracle.picture(world, step.time)?;
+                        self.compare_with_fresh(index, panel.picture(), &fresh)?;
+                    }
+                }
+            }
+            bytes.clear();
+            host.end(&mut bytes)?;
+            panel.push(&mut &bytes[..])?;
+            let link = panel.link();
+            ensure!(
+                link.lost == 0 && link.damaged == 0,
+                "the display lost {} packets and found {} damaged on a perfect link",
+                link.lost,
+                link.damaged
+            );
+            Ok(())
+        })?;
+        self.samples = host.ledger().samples;
+        self.stream_bytes = host.ledger().total_bytes();
+        Ok(())
+    }
+
+    fn compare_with_fresh(
+        &mut self,
+        index: u32,
+        shown: &[[u8; 3]],
+        fresh: &[[u8; 3]],
+    ) -> Result<()> {
+        let ideal = self.image(&self.references[index as usize].image)?;
+        let error = |pixels| -> Result<u64> {
+            Ok(SquaredError::between(ideal, self.image(pixels)?)?.sum)
+        };
+        let (as_shown, without_age) = (error(shown)?, error(fresh)?);
+        let sums = self.causes.get_or_insert((0, 0));
+        sums.0 += as_shown;
+        sums.1 += without_age;
+        Ok(())
+    }
+
+    fn finish(self, setting: Setting, build: &str) -> Result<(Cell, Vec<(u32, Picture)>)> {
+        let refreshes = self.sequence.refreshes().to_vec();
+        let totals: Totals = self.sequence.finish()?;
+        let class = |class: &PixelClass| ClassShare {
+            class: class.name().to_owned(),
+            error: self.shares.share(*class),
+            area: self.shares.area(*class),
+        };
+        let cell = Cell {
+            scene: self.job.scene.clone(),
+            method: self.job.method.name().to_owned(),
+            setting: setting.name().to_owned(),
+            rate: self.job.rate,
+            seed: self.job.seed,
+            rmse: totals.rmse,
+            psnr: Some(totals.psnr).filter(|psnr| psnr.is_finite()),
+            flip: totals.flip,
+            cvvdp: totals.cvvdp,
+            worst_rmse: totals.worst_rmse,
+            worst_time: totals.worst_time,
+            p95_rmse: totals.p95_rmse,
+            samples: self.samples,
+            stream_bytes: self.stream_bytes,
+            seconds_host: self.seconds_host,
+            seconds_display: self.seconds_display,
+            cuts: self.cuts,
+            stale: self.causes.map(|(shown, fresh)| 1.0 - fresh as f64 / (shown as f64).max(1.0)),
+            classes: PixelClass::ALL.iter().map(class).collect(),
+            refreshes: refreshes
+                .iter()
+                .map(|r| Point { time: r.time, rmse: r.rmse, flip: r.flip })
+                .collect(),
+            build: build.to_owned(),
+        };
+        Ok((cell, self.pictures))
+    }
+}

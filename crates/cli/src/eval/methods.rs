@@ -1,0 +1,243 @@
+//! What can be evaluated, by name.
+
+use std::fmt;
+use std::str::FromStr;
+
+use glam::UVec2;
+use unframed_host::framed::{Framed, Frames, Taau, Tuning, Upscale};
+use unframed_host::sampler::Sampler;
+use unframed_host::sampler::adaptive;
+use unframed_host::trace::World;
+use unframed_recon::Config;
+use unframed_recon::config::Lifetime;
+use unframed_wire::{Layout, TileFields};
+
+use super::unmoved::Unmoved;
+use crate::method::Method;
+
+/// A method in the tables.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum EvalMethod {
+    /// Whole frames at 60 Hz, of as few pixels as the rate asks for.
+    Framed60LowRes,
+    /// Whole frames of full resolution, as few as the rate asks for.
+    FramedFull,
+    /// Traditional frameless rendering.
+    Frameless,
+    /// Uniform samples, reprojected, one constant filter.
+    Uniform,
+    /// Uniform samples through the reconstructor of `adaptive`.
+    UniformSameDisplay,
+    /// Temporal antialiasing and upscaling.
+    Taau,
+    /// The subject.
+    Adaptive,
+    /// Its sampler is told that nothing moves.
+    AdaptiveNoSamplerReprojection,
+    /// Its display leaves samples where they fell.
+    AdaptiveNoDisplayReprojection,
+    /// Full resolution at 60 Hz, one refresh late.
+    Framed60Tenfold,
+    /// Full resolution at 60 Hz in no time.
+    Framed60TenfoldNoDelay,
+}
+
+/// Names that are known, and their methods.
+const NAMES: [(EvalMethod, &str); 11] = [
+    (EvalMethod::Framed60LowRes, "framed60-lowres"),
+    (EvalMethod::FramedFull, "framed-full"),
+    (EvalMethod::Frameless, "frameless"),
+    (EvalMethod::Uniform, "uniform"),
+    (EvalMethod::UniformSameDisplay, "uniform-same-display"),
+    (EvalMethod::Taau, "taau"),
+    (EvalMethod::Adaptive, "adaptive"),
+    (EvalMethod::AdaptiveNoSamplerReprojection, "adaptive-no-sampler-reprojection"),
+    (EvalMethod::AdaptiveNoDisplayReprojection, "adaptive-no-display-reprojection"),
+    (EvalMethod::Framed60Tenfold, "framed60-10x"),
+    (EvalMethod::Framed60TenfoldNoDelay, "framed60-10x-nodelay"),
+];
+
+/// There is no such method.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum MethodError {
+    /// Known, but not in this program.
+    #[error(
+        "the method `paper` is not in this program: it needs the sampler of Dayal et al. 2005 \
+         (host/src/sampler/paper); leave it out of --methods"
+    )]
+    NoPaper,
+    /// Unknown.
+    #[error("there is no method `{name}`; there are {all}")]
+    Unknown {
+        /// As typed.
+        name: String,
+        /// What there is.
+        all: String,
+    },
+}
+
+/// How a method is carried out.
+pub enum Way {
+    /// A host and a display, joined by bytes.
+    Stream {
+        /// Where to look.
+        sampler: Box<dyn Sampler>,
+        /// How places are coded.
+        layout: Layout,
+        /// What tiles carry.
+        tile_fields: TileFields,
+        /// What the display does.
+        display: Config,
+    },
+    /// Whole pictures.
+    Frames(Box<dyn Framed>),
+}
+
+/// One of the settings between which a method may choose: the one with the least error counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Setting {
+    /// There is nothing to choose.
+    Only,
+    /// Of temporal antialiasing.
+    Taau(&'static str, Tuning),
+}
+
+impl Setting {
+    /// Its name in reports; empty where there is nothing to choose.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Only => "",
+            Self::Taau(name, _) => name,
+        }
+    }
+}
+
+/// The lifetime of uniform samples in the display of `adaptive`, log2 of seconds in 1/256: the
+/// best on average over the built-in scenes, so that what adaptivity is credited with is not a
+/// badly chosen constant.
+const UNIFORM_LIFETIME: i16 = -256;
+
+impl EvalMethod {
+    /// All, in the order of the tables.
+    pub fn all() -> impl Iterator<Item = Self> {
+        NAMES.iter().map(|entry| entry.0)
+    }
+
+    /// Its name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        NAMES.iter().find(|entry| entry.0 == self).map_or("", |entry| entry.1)
+    }
+
+    /// Whether it takes a sample for each pixel and refresh, whatever rate is asked for.
+    #[must_use]
+    pub fn is_tenfold(self) -> bool {
+        matches!(self, Self::Framed60Tenfold | Self::Framed60TenfoldNoDelay)
+    }
+
+    /// Whether a seed changes anything.
+    #[must_use]
+    pub fn is_random(self) -> bool {
+        !self.is_tenfold() && !matches!(self, Self::Framed60LowRes | Self::FramedFull)
+    }
+
+    /// The settings it may choose between.
+    #[must_use]
+    pub fn settings(self) -> Vec<Setting> {
+        match self {
+            Self::Taau => {
+                vec![Setting::Taau("quick", Tuning::QUICK), Setting::Taau("sharp", Tuning::SHARP)]
+            }
+            _ => vec![Setting::Only],
+        }
+    }
+
+    /// Everything that decides its result but scene, size, rate and seed, as text.
+    #[must_use]
+    pub fn fingerprint(self) -> String {
+        let stream = match self.method() {
+            Some(method) => format!("{:?} {:?}", self.display(method), adaptive::Config::default()),
+            None => String::new(),
+        };
+        format!("{} {:?} {stream}", self.name(), self.settings())
+    }
+
+    /// Sets it up.
+    #[must_use]
+    pub fn way(self, world: &World, rate: u32, seed: u64, setting: Setting) -> Way {
+        let size = UVec2::from(world.size());
+        if let Some(method) = self.method() {
+            let sampler = method.sampler(size, seed);
+            let unmoved = self == Self::AdaptiveNoSamplerReprojection;
+            return Way::Stream {
+                sampler: if unmoved { Box::new(Unmoved::new(sampler, size)) } else { sampler },
+                layout: match self {
+                    // A place on the screen is all that such a display could make use of.
+                    Self::AdaptiveNoDisplayReprojection => Layout::Screen,
+                    _ => method.layout(),
+                },
+                tile_fields: method.tile_fields(),
+                display: self.display(method),
+            };
+        }
+        let world = world.clone();
+        Way::Frames(match (self, setting) {
+            (Self::Framed60LowRes, _) => {
+                Box::new(Frames::low_resolution(world, rate, Upscale::Linear))
+            }
+            (Self::Taau, Setting::Taau(_, tuning)) => Box::new(Taau::new(world, rate, tuning, seed)),
+            (Self::Taau, Setting::Only) => Box::new(Taau::new(world, rate, Tuning::SHARP, seed)),
+            (Self::FramedFull, _) => Box::new(Frames::full_resolution(world, rate)),
+            (_, _) => Box::new(Frames::every_refresh(world, self == Self::Framed60Tenfold)),
+        })
+    }
+
+    /// The sampler's method, of those with a stream.
+    fn method(self) -> Option<Method> {
+        match self {
+            Self::Frameless => Some(Method::Frameless),
+            Self::Uniform => Some(Method::Uniform),
+            Self::UniformSameDisplay => Some(Method::UniformSameDisplay),
+            Self::Adaptive
+            | Self::AdaptiveNoSamplerReprojection
+            | Self::AdaptiveNoDisplayReprojection => Some(Method::Adaptive),
+            Self::Framed60LowRes
+            | Self::FramedFull
+            | Self::Taau
+            | Self::Framed60Tenfold
+            | Self::Framed60TenfoldNoDelay => None,
+        }
+    }
+
+    fn display(self, method: Method) -> Config {
+        let display = method.display();
+        match self {
+            Self::UniformSameDisplay => {
+                Config { lifetime: Lifetime::Constant(UNIFORM_LIFETIME), ..display }
+            }
+            Self::AdaptiveNoDisplayReprojection => Config { reproject: false, ..display },
+            _ => display,
+        }
+    }
+}
+
+impl fmt::Display for EvalMethod {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for EvalMethod {
+    type Err = MethodError;
+
+    fn from_str(name: &str) -> Result<Self, MethodError> {
+        if name == "paper" {
+            return Err(MethodError::NoPaper);
+        }
+        NAMES.iter().find(|entry| entry.1 == name).map(|entry| entry.0).ok_or_else(|| {
+            let all: Vec<&str> = NAMES.iter().map(|entry| entry.1).collect();
+            MethodError::Unknown { name: name.to_owned(), all: all.join(", ") }
+        })
+    }
+}
