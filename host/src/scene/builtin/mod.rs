@@ -52,13 +52,20 @@ mod tests {
                     nearest = nearest.min(struck.map_or(f32::INFINITY, |s| s.t));
                 }
             }
-            assert!(nearest > 0.12, "{name} comes within {nearest} m of something");
+            assert!(
+                nearest > 0.12,
+                "{name} comes within {nearest} m of something"
+            );
         }
     }
 
     #[test]
     fn each_scene_has_what_it_promises() {
-        for (name, view) in [("interactive", true), ("walkthrough", true), ("toycar", false)] {
+        for (name, view) in [
+            ("interactive", true),
+            ("walkthrough", true),
+            ("toycar", false),
+        ] {
             let mut world = World::new(builtin(name).unwrap(), [64, 64]).unwrap();
             assert_eq!(world.moves().view, view, "{name}");
             assert!(world.moves().objects, "{name}");
@@ -88,7 +95,10 @@ mod tests {
         let steps: Vec<f32> = (0..480).map(|i| change(f64::from(i) * STEP)).collect();
         for (i, window) in steps.windows(120).enumerate() {
             assert!(window.iter().any(|&c| c < 1e-5), "no rest from frame {i}");
-            assert!(window.iter().any(|&c| c > 0.04), "nothing fast from frame {i}");
+            assert!(
+                window.iter().any(|&c| c > 0.04),
+                "nothing fast from frame {i}"
+            );
         }
     }
 }
