@@ -19,11 +19,11 @@ pub mod uniform;
 
 use glam::{Affine3A, UVec2, Vec2, Vec3};
 use rayon::prelude::*;
-use unframed_wire::{SKY, Status};
+use unframed_wire::tiles::TileNode;
+use unframed_wire::{SKY, Status, TileFields};
 
-use crate::trace::Hit;
 use crate::trace::camera::Camera;
-pub use kdtree::Node;
+use crate::trace::{Hit, World};
 
 /// All that a sampler may know of the scene: the view, the poses, and what a ray finds.
 ///
@@ -40,6 +40,25 @@ pub trait Eye: Sync {
     fn look(&self, time: f64, pixel: Vec2, seed: u32) -> Hit;
     /// What is seen from the eye in a direction whose component along the camera's axis is 1.
     fn look_along(&self, time: f64, direction: Vec3, seed: u32) -> Hit;
+}
+
+/// Rays at the instants that were prepared; views and poses at any.
+impl Eye for World {
+    fn camera(&self, time: f64) -> Camera {
+        World::camera(self, time)
+    }
+
+    fn pose(&self, object: u8, time: f64) -> Affine3A {
+        World::pose(self, object, time)
+    }
+
+    fn look(&self, time: f64, pixel: Vec2, seed: u32) -> Hit {
+        self.moment(time).look(pixel, seed)
+    }
+
+    fn look_along(&self, time: f64, direction: Vec3, seed: u32) -> Hit {
+        self.moment(time).look_along(direction, seed)
+    }
 }
 
 /// A stretch of simulated time and its budget.
@@ -90,8 +109,8 @@ pub trait Sampler: Send {
     }
 
     /// The k-d cut of the image with side data for the display, in preorder, as of the end of
-    /// the last epoch. Empty if the sampler has nothing to tell.
-    fn tiles(&mut self, out: &mut Vec<Node>) {
+    /// the last epoch; only `fields` are wanted. Empty if the sampler has nothing to tell.
+    fn tiles(&mut self, _fields: TileFields, out: &mut Vec<TileNode>) {
         out.clear();
     }
 

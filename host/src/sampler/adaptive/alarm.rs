@@ -3,7 +3,7 @@
 /// Looks at the last hundred-odd verifications.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Alarm {
-    /// Share-weighted counts of failed and of all verifications.
+    /// Weights of the failed and of all verifications, the old ones discounted.
     failed: f32,
     all: f32,
     /// When the current run of failures began, seconds.
@@ -16,11 +16,14 @@ const MEMORY: f32 = 96.0;
 const SHARE: f32 = 0.5;
 
 impl Alarm {
-    /// Takes a verification in. When the alarm is raised: the instant at which the failures began.
-    pub(super) fn verified(&mut self, time: f64, failed: bool) -> Option<f64> {
+    /// Takes a verification in. Its `weight` makes up for the bias of the sampler towards places
+    /// in trouble: 1 over how much likelier than a uniform choice it was, so that the weights are
+    /// 1 on average and the share of failures is that of the image's area. When the alarm is
+    /// raised: the instant at which the failures began.
+    pub(super) fn verified(&mut self, time: f64, weight: f32, failed: bool) -> Option<f64> {
         let keep = 1.0 - 1.0 / MEMORY;
-        self.failed = self.failed * keep + f32::from(u8::from(failed));
-        self.all = self.all * keep + 1.0;
+        self.failed = self.failed * keep + if failed { weight } else { 0.0 };
+        self.all = self.all * keep + weight;
         if self.failed < 0.3 * self.all {
             self.since = None;
         } else if self.since.is_none() {
@@ -41,12 +44,25 @@ mod tests {
     use crate::sampler::noise::Random;
 
     #[test]
+    fn trouble_in_a_corner_is_no_cut() {
+        // A twentieth of the image fails, and gets nine tenths of the looks.
+        let (share, bias) = (0.05, 0.9);
+        let mut alarm = Alarm::default();
+        let mut random = Random::new(7);
+        for i in 0..100_000 {
+            let corner = random.unit() < bias;
+            let weight = if corner { share / bias } else { (1.0 - share) / (1.0 - bias) };
+            assert_eq!(alarm.verified(f64::from(i), weight, corner), None);
+        }
+    }
+
+    #[test]
     fn raised_by_a_cut_and_not_by_a_third_of_failures() {
         let mut alarm = Alarm::default();
         let mut random = Random::new(2);
         for i in 0..100_000 {
             let failed = random.unit() < 0.33;
-            assert_eq!(alarm.verified(f64::from(i), failed), None);
+            assert_eq!(alarm.verified(f64::from(i), 1.0, failed), None);
         }
         let mut raised = None;
         for i in 0..200 {

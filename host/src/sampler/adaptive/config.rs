@@ -11,6 +11,9 @@ pub struct Config {
     pub uniform_share: f32,
     /// Share of the shots that look again at a place seen before, 0..1.
     pub verify_share: f32,
+    /// Share of a tile's pixels that must hold something before its next point is taken as it
+    /// comes, without regard to what is covered.
+    pub full: f32,
     /// Whether residuals steer the shots (else every tile is as interesting as any other).
     pub residuals: bool,
     /// Whether what a tile already has counts (else its residual alone does).
@@ -42,8 +45,20 @@ pub struct Config {
     pub lifetime_max: f32,
     /// The shortest lifetime, seconds.
     pub lifetime_min: f32,
+    /// How much less a tile is due where samples do not live long: its share goes with the
+    /// lifetime to this power. With a constant rate r a tile holds n = r·τ samples, and the sum of
+    /// s²/n under a budget of r is least where n ∝ s·√τ: hence 1/2. With 0 the samples would pour
+    /// into what cannot be kept.
+    pub lifetime_power: f32,
+    /// Whether a lifetime balances staleness against noise: the error of a tile whose samples
+    /// count for τ is about g²τ² + s²/(r·τ), least at τ³ = s²/(2·g²·r). Else samples live until
+    /// they are `tolerance` off.
+    pub balanced: bool,
     /// The change of displayed level after which a sample has outlived itself.
     pub tolerance: f32,
+    /// How much the logarithmic codes (eight to a factor of two) may differ within one tile that
+    /// is sent.
+    pub code_tolerance: u32,
     /// Seeds everything.
     pub seed: u64,
 }
@@ -55,6 +70,7 @@ impl Default for Config {
             batch: 0.002,
             uniform_share: 0.1,
             verify_share: 0.2,
+            full: 0.7,
             residuals: true,
             water_filling: true,
             lifetimes: true,
@@ -70,7 +86,10 @@ impl Default for Config {
             residual_floor: 4.0,
             lifetime_max: 1.0,
             lifetime_min: 0.012,
+            lifetime_power: 0.5,
+            balanced: true,
             tolerance: 10.0,
+            code_tolerance: 2,
             seed: 1,
         }
     }

@@ -59,8 +59,9 @@ impl Lifetimes {
     }
 
     /// Lifetimes from the sums, each smoothed over 3×3 tiles:
-    /// `g² = ΣΔc²/ΣΔt²`, `1/τ² = 1/τ_max² + g²/tolerance²`.
-    pub(super) fn solve(&mut self) {
+    /// `g² = ΣΔc²/ΣΔt²`, `1/τ² = 1/τ_max² + g²/tolerance²`. With `noise` (s²/r of each tile) the
+    /// tolerance is what balances staleness against noise: `τ³ = noise/(2·g²)`.
+    pub(super) fn solve(&mut self, noise: &[f32]) {
         if !self.enabled {
             return;
         }
@@ -77,16 +78,19 @@ impl Lifetimes {
             for x in 0..w {
                 let near = y.saturating_sub(1)..(y + 2).min(h);
                 let [dc2, dt2] = near.fold([0.0; 2], |a, r| add(a, self.rows[r * w + x]));
-                self.tau[y * w + x] = self.lifetime(dc2, dt2);
+                self.tau[y * w + x] = self.lifetime(dc2, dt2, noise.get(y * w + x).copied());
             }
         }
     }
 
     /// The lifetime in seconds that squared changes over squared times make.
-    fn lifetime(&self, dc2: f32, dt2: f32) -> f32 {
+    fn lifetime(&self, dc2: f32, dt2: f32, noise: Option<f32>) -> f32 {
         let g2 = if dt2 > 0.0 { dc2 / dt2 } else { 0.0 };
-        let rate2 = 1.0 / (self.longest * self.longest) + g2 / (self.tolerance * self.tolerance);
-        (1.0 / rate2.sqrt()).max(self.shortest)
+        let rate2 = match noise {
+            Some(noise) => (2.0 * g2 / noise).powf(2.0 / 3.0),
+            None => g2 / (self.tolerance * self.tolerance),
+        };
+        (1.0 / (rate2 + 1.0 / (self.longest * self.longest)).sqrt()).max(self.shortest)
     }
 }
 

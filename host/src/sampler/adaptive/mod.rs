@@ -20,10 +20,12 @@ mod lifetime;
 mod projection;
 mod tiles;
 
-use glam::{UVec2, Vec3};
+use glam::{UVec2, Vec2, Vec3};
+use unframed_wire::tiles::TileNode;
+use unframed_wire::{LogCode, Rect, TileFields};
 
-use super::kdtree::{self, Node};
-use super::noise::{R2, Random, golden_stride};
+use super::kdtree::{self, Map, log_code};
+use super::noise::{R2, Random, golden_stride, hash};
 use super::srgb::{displayed, squared_difference};
 use super::uniform::within;
 use super::{Aim, Eye, Plan, Sampler, Seen, Shot, Span, trace};
@@ -50,7 +52,13 @@ pub struct Adaptive {
     cut: Option<f64>,
     order: Vec<u32>,
     random: Random,
-    points: R2,
+    /// A low-discrepancy sequence in each tile.
+    points: Vec<R2>,
+    /// The lifetime tile of each tile, and how much a sample in it is worth.
+    lifetime_tiles: Vec<u32>,
+    worth: Vec<f32>,
+    /// s²/r of each lifetime tile: squared levels × pixels × seconds a sample.
+    noise: Vec<f32>,
     /// Smoothed shots of each tile in a second.
     rates: Vec<f32>,
     scratch: Scratch,
@@ -74,6 +82,8 @@ struct Scratch {
 struct Intent {
     /// The tile that paid for it.
     tile: u32,
+    /// Over how many times likelier than by a uniform choice it got the shot: 1 divided by that.
+    weight: f32,
     /// The cell to be verified; [`NONE`] for a new sample.
     cell: u32,
     /// Displayed colour and birth of the sample to be verified.
@@ -105,9 +115,16 @@ impl Adaptive {
     #[must_use]
     pub fn new(size: UVec2, config: Config) -> Self {
         let grid = Grid::new(size);
+        let lifetimes = Lifetimes::new(size, &config);
+        let lifetime_tiles = (0..grid.len() as u32)
+            .map(|tile| {
+                let (corner, _) = grid.rect(tile);
+                lifetimes.tile(corner.y * size.x + corner.x) as u32
+            })
+            .collect();
         Self {
             cells: Cells::new(size, &config),
-            lifetimes: Lifetimes::new(size, &config),
+            lifetimes,
             projection: Projection::new(f64::NAN),
             objects: Vec::new(),
             tiles: vec![Tile::default(); grid.len()],
@@ -116,8 +133,13 @@ impl Adaptive {
             cut: None,
             order: allocate::z_order(grid.columns, grid.rows),
             random: Random::new(config.seed),
-            points: R2::new(config.seed as u32),
+            points: (0..grid.len() as u32)
+                .map(|t| R2::new(hash(t) ^ config.seed as u32))
+                .collect(),
             rates: vec![0.0; grid.len()],
+            lifetime_tiles,
+            worth: Vec::new(),
+            noise: Vec::new(),
             scratch: Scratch::default(),
             stats: Stats::default(),
             grid,
@@ -137,6 +159,35 @@ impl Adaptive {
         (self.lifetimes.grid, &self.lifetimes.tau)
     }
 
+    /// The tiles in a lifetime tile.
+    fn inside(&self, at: UVec2) -> impl Iterator<Item = usize> + use<> {
+        let ratio = lifetime::TILE / tiles::TILE;
+        let columns = self.grid.columns;
+        let xs = at.x * ratio..((at.x + 1) * ratio).min(columns);
+        let ys = at.y * ratio..((at.y + 1) * ratio).min(self.grid.rows);
+        ys.flat_map(move |y| xs.clone().map(move |x| (y * columns + x) as usize))
+    }
+
+    /// Recent shots a pixel and second in a lifetime tile.
+    fn density(&self, at: UVec2) -> f32 {
+        let (mut shots, mut area) = (0.0, 0);
+        for tile in self.inside(at) {
+            shots += self.rates[tile];
+            area += self.grid.rect(tile as u32).1.element_product();
+        }
+        shots / (self.config.residual_memory * area.max(1) as f32)
+    }
+
+    /// s²/r of a lifetime tile.
+    fn noise(&self, at: UVec2) -> f32 {
+        let (mut squares, mut count) = (0.0, 0.0);
+        for tile in self.inside(at) {
+            squares += self.tiles[tile].error(0.0, &self.config).powi(2);
+            count += 1.0;
+        }
+        squares / (count * self.density(at).max(0.1))
+    }
+
     /// Moves the memory to the view of an instant and sums it up.
     fn warp(&mut self, time: f64, eye: &dyn Eye) {
         let step = (time - self.projection.time()) as f32;
@@ -144,7 +195,7 @@ impl Adaptive {
         for &object in &self.objects {
             self.projection.prepare(object, eye);
         }
-        let c = &self.config;
+        let c = self.config.clone();
         // The reconstructor's tail 1/(1+u²+u⁴) as an exponential that can be updated.
         let fade = |tau: f32| (-step / (0.9 * tau)).exp();
         self.fading.step = step;
@@ -160,7 +211,17 @@ impl Adaptive {
             lifetimes.tile(pixel)
         });
         self.sum();
-        self.lifetimes.solve();
+        if c.balanced {
+            self.noise.clear();
+            let grid = self.lifetimes.grid;
+            for at in (0..grid.y).flat_map(|y| (0..grid.x).map(move |x| UVec2::new(x, y))) {
+                self.noise.push(self.noise(at));
+            }
+        }
+        self.lifetimes.solve(&self.noise);
+        let worth = |tau: &f32| (tau / c.lifetime_max).powf(c.lifetime_power);
+        self.worth.clear();
+        self.worth.extend(self.lifetimes.tau.iter().map(worth));
     }
 
     /// Sums the front cells up in their tiles.
@@ -202,18 +263,12 @@ impl Adaptive {
             } else {
                 1.0
             };
-            s.errors.push(error * area);
+            let worth = self.worth[self.lifetime_tiles[i] as usize];
+            s.errors.push(error * area * worth);
             s.filled
                 .push(if c.water_filling { tile.samples } else { 0.0 });
         }
         let (level, _) = allocate::water_level(&s.errors, &s.filled, count as f32);
-        if std::env::var("DBG").is_ok() {
-            eprintln!(
-                "level {level} count {count} errors {:?} filled {:?}",
-                &s.errors[80..96],
-                &s.filled[80..96]
-            );
-        }
         let everywhere = c.uniform_share * count as f32 / (self.grid.size.element_product() as f32);
         s.shares.clear();
         for (i, (&error, &filled)) in s.errors.iter().zip(&s.filled).enumerate() {
@@ -232,38 +287,23 @@ impl Adaptive {
 
     /// Plans the visits as the shots `first..` of the span.
     fn plan(&mut self, span: Span, first: usize) {
-        let s = &mut self.scratch;
-        s.plans.clear();
-        s.intents.clear();
-        let count = s.visits.len();
+        self.scratch.plans.clear();
+        self.scratch.intents.clear();
+        let count = self.scratch.visits.len();
         let stride = golden_stride(count);
         let mut at = self.random.below(count.max(1) as u32) as usize;
         for i in 0..count {
-            let tile = s.visits[at];
+            let tile = self.scratch.visits[at];
             at = (at + stride) % count;
-            let (corner, size) = self.grid.rect(tile);
             let again = self.random.unit() < self.config.verify_share;
-            // The least covered of three pixels is due a sample, the best covered a second look.
-            let mut best = (0, UVec2::ZERO, f32::INFINITY);
-            for _ in 0..3 {
-                let bits = self.random.next();
-                let p = corner
-                    + UVec2::new(
-                        (bits & 0xff) * size.x >> 8,
-                        (bits >> 8 & 0xff) * size.y >> 8,
-                    );
-                let pixel = p.y * self.grid.size.x + p.x;
-                let cover = self.cells.cover[pixel as usize];
-                let badness = if again { -cover } else { cover };
-                if badness < best.2 {
-                    best = (pixel, p, badness);
-                }
-            }
-            let (pixel, p, _) = best;
+            let (place, pixel) = self.aim(tile, again);
             let time = span.instant(first + i);
-            let place = within(p.as_vec2() + self.points.next(), self.grid.size);
+            let (_, size) = self.grid.rect(tile);
+            let uniform = (count as u32 * size.element_product()) as f32
+                / self.grid.size.element_product() as f32;
             let mut intent = Intent {
                 tile,
+                weight: uniform / self.scratch.shares[tile as usize].max(1e-9),
                 cell: NONE,
                 colour: Vec3::ZERO,
                 born: 0.0,
@@ -282,13 +322,39 @@ impl Adaptive {
             } else {
                 self.cells.cover[pixel as usize] += 1.0;
             }
-            s.plans.push(Plan {
+            self.scratch.plans.push(Plan {
                 time,
                 aim,
                 seed: self.random.next(),
             });
-            s.intents.push(intent);
+            self.scratch.intents.push(intent);
         }
+    }
+
+    /// A place in a tile and its pixel: for a second look the best covered of three random
+    /// pixels; else the next point of the tile's sequence or, where pixels of the tile are empty,
+    /// the least covered of its next three points.
+    fn aim(&mut self, tile: u32, again: bool) -> (Vec2, u32) {
+        let (corner, size) = self.grid.rect(tile);
+        let full =
+            self.tiles[tile as usize].covered >= self.config.full * size.element_product() as f32;
+        let candidates = if full && !again { 1 } else { 3 };
+        let mut best = (Vec2::ZERO, 0, f32::INFINITY);
+        for _ in 0..candidates {
+            let point = if again {
+                Vec2::new(self.random.unit(), self.random.unit())
+            } else {
+                self.points[tile as usize].next()
+            };
+            let place = within(corner.as_vec2() + point * size.as_vec2(), self.grid.size);
+            let pixel = place.y as u32 * self.grid.size.x + place.x as u32;
+            let cover = self.cells.cover[pixel as usize];
+            let badness = if again { -cover } else { cover };
+            if badness < best.2 {
+                best = (place, pixel, badness);
+            }
+        }
+        (best.0, best.1)
     }
 
     /// Learns from what was seen.
@@ -372,7 +438,7 @@ impl Adaptive {
             self.stats.failed += 1;
         }
         if self.config.cuts
-            && let Some(since) = self.alarm.verified(time, wrong)
+            && let Some(since) = self.alarm.verified(time, intent.weight, wrong)
         {
             self.forget(since);
             return;
@@ -459,8 +525,30 @@ impl Sampler for Adaptive {
         self.config.span
     }
 
-    fn tiles(&mut self, out: &mut Vec<Node>) {
-        kdtree::clear(out);
+    fn tiles(&mut self, fields: TileFields, out: &mut Vec<TileNode>) {
+        let grid = self.lifetimes.grid;
+        let codes: Vec<[LogCode; 2]> = (0..grid.y)
+            .flat_map(|y| (0..grid.x).map(move |x| UVec2::new(x, y)))
+            .map(|at| {
+                let lifetime = self.lifetimes.tau[(at.y * grid.x + at.x) as usize];
+                [log_code(lifetime), log_code(self.density(at))]
+            })
+            .collect();
+        let map = Map {
+            cell: lifetime::TILE as u16,
+            columns: grid.x as usize,
+            codes: &codes,
+        };
+        let size = self.grid.size;
+        let rect = Rect {
+            x: 0,
+            y: 0,
+            w: size.x as u16,
+            h: size.y as u16,
+        };
+        out.clear();
+        let fields = [fields.lifetime, fields.density];
+        kdtree::cut(&map, rect, fields, self.config.code_tolerance, out);
     }
 
     fn take_cut(&mut self) -> Option<f64> {

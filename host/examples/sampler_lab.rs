@@ -1,0 +1,267 @@
+//! A laboratory for samplers: variants of the knobs against the ideal picture, through the real
+//! stream and the real integer display. For tuning; what counts is `unframed eval`.
+//!
+//! `cargo run --release -p unframed-host --example sampler_lab -- [scenes=a,b] [rate=400000]
+//! [seconds=3] [png=FOLDER] [VARIANT …]`, a variant being `name:knob=value,knob=value` with the
+//! fields of [`Config`] as knobs, or `uniform=LIFETIME` (seconds) for uniform samples through the
+//! same display. Ideal pictures are kept in `target/` (or `LAB_CACHE`) between runs.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+
+use glam::UVec2;
+use unframed_host::drive::Host;
+use unframed_host::sampler::adaptive::{Adaptive, Config};
+use unframed_host::sampler::uniform::Uniform;
+use unframed_host::sampler::{Eye, Sampler, Shot, Span};
+use unframed_host::scene::builtin;
+use unframed_host::stream::sender::Promise;
+use unframed_host::trace::{self, World};
+use unframed_recon::config::Lifetime;
+use unframed_recon::heap::HeapStorage;
+use unframed_recon::{Display, Fixed, Player};
+use unframed_wire::{Layout, Status, TileFields, TileNode};
+
+const SIZE: UVec2 = UVec2::new(256, 256);
+const HERTZ: u32 = 60;
+/// Refreshes that are compared: every eleventh, so that no phase of the animation is favoured.
+const EVERY: u32 = 11;
+/// Samples the display remembers, seconds' worth.
+const REMEMBERED: f64 = 1.25;
+
+type Picture = Vec<[u8; 3]>;
+
+/// The ideal pictures of a scene and the refreshes they belong to.
+fn ideals(name: &str, world: &World, seconds: f64) -> Vec<(u32, Picture)> {
+    let folder = std::env::var("LAB_CACHE").unwrap_or_else(|_| "target".into());
+    let mut world = world.clone();
+    (EVERY..=(seconds * f64::from(HERTZ)) as u32)
+        .step_by(EVERY as usize)
+        .map(|refresh| {
+            let file = PathBuf::from(&folder).join(format!("ideal8-{name}-{refresh}.rgb"));
+            let stored = std::fs::read(&file).ok();
+            let picture = stored.map_or_else(
+                || trace::ideal(&mut world, f64::from(refresh) / f64::from(HERTZ), 4),
+                |bytes| bytes.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
+            );
+            std::fs::write(&file, picture.as_flattened()).ok();
+            (refresh, picture)
+        })
+        .collect()
+}
+
+/// The sampler under test, kept in sight.
+#[derive(Clone)]
+struct Watched(Arc<Mutex<Adaptive>>);
+
+impl Watched {
+    fn with<R>(&self, work: impl FnOnce(&mut Adaptive) -> R) -> R {
+        work(&mut self.0.lock().expect("one thread uses it"))
+    }
+}
+
+impl Sampler for Watched {
+    fn epoch(&mut self, span: Span, eye: &dyn Eye, out: &mut Vec<Shot>) {
+        self.with(|s| s.epoch(span, eye, out));
+    }
+
+    fn preferred_span(&self) -> f64 {
+        self.with(|s| s.preferred_span())
+    }
+
+    fn tiles(&mut self, fields: TileFields, out: &mut Vec<TileNode>) {
+        self.with(|s| s.tiles(fields, out));
+    }
+
+    fn take_cut(&mut self) -> Option<f64> {
+        self.with(|s| s.take_cut())
+    }
+
+    fn status(&mut self, status: &Status) {
+        self.with(|s| s.status(status));
+    }
+}
+
+/// Sets a knob by its name.
+fn turn(config: &mut Config, key: &str, number: f32) {
+    let on = number != 0.0;
+    match key {
+        "span" => config.span = f64::from(number),
+        "batch" => config.batch = f64::from(number),
+        "uniform_share" => config.uniform_share = number,
+        "verify_share" => config.verify_share = number,
+        "full" => config.full = number,
+        "residuals" => config.residuals = on,
+        "water_filling" => config.water_filling = on,
+        "lifetimes" => config.lifetimes = on,
+        "hidden_test" => config.hidden_test = on,
+        "second_layer" => config.second_layer = on,
+        "guard" => config.guard = number,
+        "cuts" => config.cuts = on,
+        "residual_memory" => config.residual_memory = number,
+        "gradient_memory" => config.gradient_memory = number,
+        "residual_prior" => config.residual_prior = number,
+        "prior_weight" => config.prior_weight = number,
+        "prior_hole" => config.prior_hole = number,
+        "residual_floor" => config.residual_floor = number,
+        "lifetime_max" => config.lifetime_max = number,
+        "lifetime_min" => config.lifetime_min = number,
+        "lifetime_power" => config.lifetime_power = number,
+        "balanced" => config.balanced = on,
+        "tolerance" => config.tolerance = number,
+        "code_tolerance" => config.code_tolerance = number as u32,
+        "seed" => config.seed = number as u64,
+        _ => panic!("{key}: no such knob"),
+    }
+}
+
+/// What a run showed.
+struct Outcome {
+    each: Vec<f64>,
+    bytes_per_sample: f64,
+    note: String,
+}
+
+fn run(
+    world: &World,
+    truth: &[(u32, Picture)],
+    rate: u32,
+    variant: &str,
+    save: impl Fn(u32, &[[u8; 3]]),
+) -> Outcome {
+    let (_, knobs) = variant.split_once(':').unwrap_or((variant, ""));
+    let mut config = Config::default();
+    let mut uniform = None;
+    for knob in knobs.split(',').filter(|k| !k.is_empty()) {
+        let (key, value) = knob.split_once('=').unwrap_or((knob, "1"));
+        let number: f32 = value.parse().unwrap_or_else(|_| panic!("{knob}: not a number"));
+        if key == "uniform" {
+            uniform = Some(number);
+        } else {
+            turn(&mut config, key, number);
+        }
+    }
+    let watched = Watched(Arc::new(Mutex::new(Adaptive::new(SIZE, config))));
+    let mut recon = unframed_recon::Config::ADAPTIVE;
+    let sampler: Box<dyn Sampler> = match uniform {
+        Some(lifetime) => {
+            recon.lifetime = Lifetime::Constant((lifetime.log2() * 256.0) as i16);
+            Box::new(Uniform::new(SIZE, 1))
+        }
+        None => Box::new(watched.clone()),
+    };
+    let promise = Promise {
+        layout: Layout::World,
+        tile_fields: TileFields {
+            gradients: false,
+            lifetime: uniform.is_none(),
+            density: false,
+        },
+        rate,
+        refresh_millihertz: HERTZ * 1000,
+    };
+    let mut host = Host::new(world.clone(), sampler, promise);
+    let (width, height) = (SIZE.x as u16, SIZE.y as u16);
+    let remembered = (f64::from(rate) * REMEMBERED) as usize;
+    let mut storage = HeapStorage::<Fixed>::new(width, height, remembered);
+    let display = Display::new(recon, width, height, storage.memory()).expect("a display");
+    let mut player = Player::new(display);
+    let mut each = Vec::new();
+    let (mut bytes, mut samples) = (0, 0);
+    let mut stream = Vec::new();
+    for (refresh, picture) in truth {
+        loop {
+            stream.clear();
+            let progress = host.advance(&mut stream).expect("a stream");
+            bytes += stream.len();
+            samples += progress.samples;
+            let mut input = stream.as_slice();
+            while player.push(&mut input).is_some() {}
+            if progress.index + 1 == *refresh {
+                break;
+            }
+        }
+        let shown = player.display().picture();
+        each.push(rms(shown, picture));
+        save(*refresh, shown);
+    }
+    let note = if uniform.is_some() { String::new() } else { watched.with(|s| note(s)) };
+    Outcome { each, bytes_per_sample: bytes as f64 / samples as f64, note }
+}
+
+fn note(sampler: &Adaptive) -> String {
+    let s = sampler.stats();
+    let [warp, plan, trace, learn] = s.seconds.map(|t| t * 1e6 / s.shots as f64);
+    format!(
+        "us/shot warp {warp:.2} plan {plan:.2} learn {learn:.2} trace {trace:.2}; failed {:.0} % \
+         cells {} k cover {:.2} cuts {}",
+        100.0 * s.failed as f64 / s.verifications.max(1) as f64,
+        s.cells / 1000,
+        s.coverage,
+        s.cuts
+    )
+}
+
+fn rms(a: &[[u8; 3]], b: &[[u8; 3]]) -> f64 {
+    let square = |(a, b): (&u8, &u8)| f64::from(a.abs_diff(*b)).powi(2);
+    let sum: f64 = a.as_flattened().iter().zip(b.as_flattened()).map(square).sum();
+    (sum / (3 * a.len()) as f64).sqrt()
+}
+
+fn write_png(path: &Path, picture: &[[u8; 3]]) {
+    let file = std::fs::File::create(path).expect("the folder exists");
+    let mut encoder = png::Encoder::new(std::io::BufWriter::new(file), SIZE.x, SIZE.y);
+    encoder.set_color(png::ColorType::Rgb);
+    let mut writer = encoder.write_header().expect("a header");
+    writer.write_image_data(picture.as_flattened()).expect("an image");
+}
+
+fn main() {
+    let mut scenes = builtin::BUILTIN.join(",");
+    let (mut rate, mut seconds, mut folder) = (400_000.0, 3.0, None);
+    let mut variants = Vec::new();
+    for argument in std::env::args().skip(1) {
+        match argument.split_once('=') {
+            Some(("scenes", list)) => scenes = list.to_owned(),
+            Some(("rate", number)) => rate = number.parse().expect("a rate"),
+            Some(("seconds", number)) => seconds = number.parse().expect("seconds"),
+            Some(("png", path)) => folder = Some(PathBuf::from(path)),
+            _ => variants.push(argument),
+        }
+    }
+    if variants.is_empty() {
+        variants = vec!["uniform:uniform=0.5".into(), "adaptive".into()];
+    }
+    for scene in scenes.split(',') {
+        let model = builtin::builtin(scene).unwrap_or_else(|| panic!("{scene}: no such scene"));
+        let world = World::new(model, SIZE.to_array()).expect("a built-in scene is sound");
+        let truth = ideals(scene, &world, seconds);
+        for variant in &variants {
+            let name = variant.split(':').next().unwrap_or("x");
+            let outcome = run(&world, &truth, rate as u32, variant, |refresh, picture| {
+                if let Some(folder) = &folder {
+                    write_png(&folder.join(format!("{scene}-{name}-{refresh}.png")), picture);
+                }
+            });
+            if let Some(folder) = &folder {
+                for (refresh, picture) in &truth {
+                    write_png(&folder.join(format!("{scene}-ideal-{refresh}.png")), picture);
+                }
+            }
+            let each = &outcome.each;
+            let mut sorted = each.clone();
+            sorted.sort_by(f64::total_cmp);
+            let mean = each.iter().map(|e| e * e).sum::<f64>() / each.len() as f64;
+            println!(
+                "{scene:12} {variant:32} rms {:6.2} median {:6.2} B/sample {:.2} {}",
+                mean.sqrt(),
+                sorted[sorted.len() / 2],
+                outcome.bytes_per_sample,
+                outcome.note
+            );
+            if std::env::var("LAB_EACH").is_ok() {
+                println!("    {each:.1?}");
+            }
+        }
+    }
+}
