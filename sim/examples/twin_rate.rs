@@ -2,6 +2,7 @@
 //! samples reprojected:
 //! `cargo run --release -p unframed-sim --example twin_rate [SAMPLES [WIDTH HEIGHT]]`.
 
+#[expect(dead_code, reason = "the tests need more of it")]
 #[path = "../tests/equality/stream.rs"]
 mod stream;
 

@@ -8,12 +8,14 @@ use super::stages::{GROUP, LOOK, Stages};
 use super::tables::Tables;
 use crate::gpu::{Gpu, GpuError};
 use crate::pass::{Batch, linear_grid};
-use unframed_recon::Panel;
 use unframed_recon::config::{Config, Mode};
 use unframed_recon::deep::{Placing, Stored, slot};
 use unframed_recon::display::Counts;
+use unframed_recon::memory::Slot;
+use unframed_recon::motion::{Motion, Reach};
 use unframed_recon::tiles::{Cell, TileMap};
-use unframed_recon::transform::{self, pose_is_sound, view_is_sound};
+use unframed_recon::transform::{pose_is_sound, view_is_sound};
+use unframed_recon::{Arith, Fixed, Panel};
 use unframed_wire::{Hello, Layout, MAX_SAMPLES, Packet, Pose, Refresh, Tick, View};
 
 /// Slots of poses: the sky's and all objects'.
@@ -32,7 +34,8 @@ pub(super) struct GpuDisplay<'g> {
     pub(super) memory: Memory,
     cells: Vec<Cell>,
     cells_changed: bool,
-    poses: Vec<Option<Pose>>,
+    slots: Vec<Slot<Fixed>>,
+    motion: Motion,
     transforms_changed: bool,
     pending: Vec<[u32; 4]>,
     /// Next and length of the ring as the processor knows them: exact where samples are
@@ -83,7 +86,8 @@ impl<'g> GpuDisplay<'g> {
             memory,
             cells: vec![Cell::default(); (params.columns * params.rows) as usize],
             cells_changed: true,
-            poses: vec![None; SLOTS],
+            slots: vec![Slot::default(); SLOTS],
+            motion: Motion::new(),
             transforms_changed: true,
             pending: Vec::new(),
             next: 0,
@@ -186,7 +190,7 @@ impl<'g> GpuDisplay<'g> {
             self.cut()?;
             self.cells.fill(Cell::default());
             self.cells_changed = true;
-            self.poses.fill(None);
+            self.slots.fill(Slot::default());
             self.view = None;
             self.transforms_changed = true;
         }
@@ -206,9 +210,9 @@ impl<'g> GpuDisplay<'g> {
     }
 
     fn pose(&mut self, pose: &Pose) {
-        match self.poses.get_mut(usize::from(slot(pose.object))) {
-            Some(known) if pose_is_sound(pose) => {
-                *known = Some(*pose);
+        match self.slots.get_mut(usize::from(slot(pose.object))) {
+            Some(slot) if pose_is_sound(pose) => {
+                slot.pose = Some(*pose);
                 self.transforms_changed = true;
             }
             _ => self.counts.refused += 1,
@@ -220,6 +224,7 @@ impl<'g> GpuDisplay<'g> {
         self.settle()?;
         self.pending.clear();
         (self.next, self.len) = (0, 0);
+        self.motion.clear();
         self.memory.ring.write(self.gpu, 0, &[0, 0])
     }
 
@@ -368,11 +373,11 @@ impl<'g> GpuDisplay<'g> {
         if !self.transforms_changed {
             return Ok(());
         }
-        let compose = |pose: &Option<Pose>| match (&self.view, pose) {
-            (Some(view), Some(pose)) => transform::Transform::compose(view, pose).into(),
+        let compose = |slot: &Slot<Fixed>| match (&self.view, &slot.pose) {
+            (Some(view), Some(pose)) => Fixed::compose(view, pose).into(),
             _ => Transform::default(),
         };
-        let transforms: Vec<Transform> = self.poses.iter().map(compose).collect();
+        let transforms: Vec<Transform> = self.slots.iter().map(compose).collect();
         let words = bytemuck::cast_slice(&transforms);
         self.memory.transforms.write(self.gpu, 0, words)?;
         self.transforms_changed = false;
@@ -387,6 +392,7 @@ impl<'g> GpuDisplay<'g> {
         }
         if self.config.mode == Mode::SpaceTime {
             self.compose()?;
+            self.reach(refresh.time)?;
             self.filter(refresh.time)?;
         }
         let words = self.memory.picture.read(self.gpu)?;
@@ -395,6 +401,23 @@ impl<'g> GpuDisplay<'g> {
             *pixel = [r, g, b];
         }
         Ok(())
+    }
+
+    /// Tells the adapter how far occlusion can reach at this refresh.
+    fn reach(&mut self, now: Tick) -> Result<(), GpuError> {
+        let reach: Reach<Fixed> = match &self.view {
+            Some(view) => {
+                self.motion.refresh(now, view, &mut self.slots);
+                self.motion.reach(view)
+            }
+            // Nothing can be placed.
+            None => return Ok(()),
+        };
+        let pairs = reach.resting.iter().zip(&reach.moving);
+        let words: Vec<u32> = pairs
+            .flat_map(|(resting, moving)| [u32::from(*resting), u32::from(*moving)])
+            .collect();
+        self.memory.reach.write(self.gpu, 0, &words)
     }
 
     /// Makes the picture of an instant from the deep buffer.

@@ -4,9 +4,12 @@
 use std::mem::{offset_of, size_of};
 
 use super::params::{self, Level, Params, Transform};
-use super::stages::{ALL, BLOCK, GATHER_MEANS, GROUP, LOOK, PROJECT, PULL, SCAN_ADD, Source};
+use super::stages::{
+    ALL, BLOCK, DROP_HIDDEN, GATHER_MEANS, GROUP, LOOK, PROJECT, PULL, SCAN_ADD, Source,
+};
 use super::tables::Tables;
-use unframed_recon::deep::{Placing, Stored};
+use unframed_recon::deep::{Placing, Stored, slot};
+use unframed_recon::motion::{BUCKET_BITS, BUCKETS};
 use unframed_recon::tables::TIME_LEN;
 
 fn module(source: &Source) -> naga::Module {
@@ -112,6 +115,9 @@ fn constants_are_the_shaders() {
     assert_eq!(constant(&PROJECT, "GROUP"), GROUP);
     assert_eq!(constant(&SCAN_ADD, "BLOCK"), BLOCK);
     assert_eq!(constant(&GATHER_MEANS, "LOOK"), LOOK);
+    assert_eq!(constant(&DROP_HIDDEN, "BUCKETS") as usize, BUCKETS);
+    assert_eq!(constant(&DROP_HIDDEN, "BUCKET_BITS"), BUCKET_BITS);
+    assert_eq!(constant(&PROJECT, "STATIC_SLOT"), u32::from(slot(0)));
     assert_eq!(constant(&PROJECT, "TIME_CHORDS") as usize + 1, TIME_LEN);
 }
 

@@ -10,6 +10,7 @@ use unframed_recon::arith::GUARD;
 use unframed_recon::config::{Config, Extents, Fit, Mode};
 use unframed_recon::fill::pyramid_len;
 use unframed_recon::hidden::{CELLS, minima_len};
+use unframed_recon::motion::BUCKETS;
 
 /// Samples that may wait for their upload.
 pub(crate) const PENDING: usize = 1 << 16;
@@ -53,6 +54,9 @@ pub(crate) struct Memory {
     pub(crate) minima: Words,
     pub(crate) minima_steps: Vec<Step>,
     pub(crate) limits: Words,
+    pub(crate) movers: Words,
+    /// Depths of reach: 2 words a bucket of ages.
+    pub(crate) reach: Words,
     /// The number of bins, as a uniform.
     pub(crate) bins: Words,
     pub(crate) counts: Words,
@@ -122,6 +126,8 @@ impl Memory {
             minima: of("minima", hidden, minima, 1)?,
             minima_steps: steps(gpu, minima_levels(panel))?,
             limits: of("limits", hidden, pixels, 1)?,
+            movers: of("movers", hidden, pixels, 1)?,
+            reach: of("reach", true, BUCKETS, 2)?,
             bins: Words::upload(gpu, "bins", &[bins as u32, 0, 0, 0])?,
             counts: of("counts", filters, bins, 1)?,
             starts: of("starts", filters, bins + 1, 1)?,

@@ -6,13 +6,13 @@
 //! | [`GpuPlayer`] | `player` | |
 //! | `display` | `display`, `deep` | `place`, `store`, `advance`; `claim`, `show` |
 //! | `refresh` | `Display::refresh` | `project`, then |
-//! | | `hidden` | `far`, `nearest`, `coarser`, `limits`, `drop_hidden` |
+//! | | `hidden`, `motion` | `far`, `nearest`, `coarser`, `limits`, `mark_movers`, `drop_hidden` |
 //! | | `splat` | `scan_*`, `sort`, `masses`, `widths`, `gather` |
 //! | | `solve`, `fill`, `Display::encode` | `means` or `planes`, `pull`, `push`, `encode` |
 //! | `tables`, `params`, `memory`, `stages` | `tables`, `memory` | `common`, `num`, `fixed`, `texel`, `level` |
 //!
-//! Packets, tiles, and the composition of view and poses (a few objects a refresh) stay on the
-//! processor; everything that happens to each sample or pixel happens here in shaders. The deep
+//! Packets, tiles, the composition of view and poses and the ways they travelled (a few objects a
+//! refresh) stay on the processor; everything that happens to each sample or pixel happens here in shaders. The deep
 //! buffer is uploaded once a sample.
 //!
 //! The one difference in structure: Rust scatters each sample to the pixels of its footprint, the

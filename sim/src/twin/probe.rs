@@ -15,6 +15,8 @@ pub enum Probe {
     Minima,
     /// A word a pixel.
     Limits,
+    /// A word a pixel: whether a moving object is near.
+    Movers,
     /// 2 words a pixel, of 64 bits, low half first; not yet held to the most that a mass counts.
     Masses,
     /// 2 words a pixel: the width, and what its taps need.
@@ -35,6 +37,7 @@ impl Memory {
             Probe::Projected => &self.projected,
             Probe::Minima => &self.minima,
             Probe::Limits => &self.limits,
+            Probe::Movers => &self.movers,
             Probe::Masses => &self.mass,
             Probe::Widths => &self.widths,
             Probe::Sums => &self.sums,

@@ -37,7 +37,15 @@ pub(super) fn arrange(
     if let Some(hidden) = &stages.hidden {
         limits(r, hidden, len, pixels)?;
     }
-    let buffers = [&m.ring, &m.projected, &m.limits, &m.counts];
+    let buffers = [
+        &m.ring,
+        &m.projected,
+        &m.limits,
+        &m.samples,
+        &m.movers,
+        &m.reach,
+        &m.counts,
+    ];
     r.run(&stages.drop_hidden, &buffers, len)?;
     let sum = [
         &m.params, &m.tables, &m.bins, &m.counts, &m.starts, &m.blocks,
@@ -126,7 +134,10 @@ fn limits(
     for step in &m.minima_steps {
         r.run(&hidden.coarser, &[&step.uniform, &m.minima], step.coarse())?;
     }
-    r.run(&hidden.limits, &[&m.minima, &m.limits], pixels)
+    r.run(&hidden.limits, &[&m.minima, &m.limits], pixels)?;
+    r.batch.clear(&m.movers);
+    let buffers = [&m.ring, &m.samples, &m.projected, &m.movers];
+    r.run(&hidden.mark_movers, &buffers, len)
 }
 
 /// The exclusive prefix sum of `len` items: parameters, tables, the number of items as a uniform,

@@ -55,9 +55,14 @@ source!(NEAREST, [file!("nearest")], [Read, Read, Write]);
 source!(COARSER, [LEVEL, file!("coarser")], [Uniform, Write]);
 source!(LIMITS, [file!("limits")], [Read, Write]);
 source!(
+    MARK_MOVERS,
+    [file!("mark_movers")],
+    [Read, Read, Read, Write]
+);
+source!(
     DROP_HIDDEN,
     [file!("drop_hidden")],
-    [Read, Write, Read, Write]
+    [Read, Write, Read, Read, Read, Read, Write]
 );
 source!(
     SCAN_BLOCKS,
@@ -106,12 +111,13 @@ source!(SHOW, [file!("show")], [Read, Read, Write]);
 
 /// Every stage there is.
 #[cfg(test)]
-pub(crate) const ALL: [&Source; 26] = [
+pub(crate) const ALL: [&Source; 27] = [
     &PROJECT,
     &FAR,
     &NEAREST,
     &COARSER,
     &LIMITS,
+    &MARK_MOVERS,
     &DROP_HIDDEN,
     &SCAN_BLOCKS,
     &SCAN_SUMS,
@@ -177,6 +183,7 @@ pub(crate) struct Hidden {
     pub(crate) nearest: Stage,
     pub(crate) coarser: Stage,
     pub(crate) limits: Stage,
+    pub(crate) mark_movers: Stage,
 }
 
 /// Filter widths by density.
@@ -263,6 +270,7 @@ impl Refreshing {
                 nearest: compile(&NEAREST)?,
                 coarser: compile(&COARSER)?,
                 limits: compile(&LIMITS)?,
+                mark_movers: compile(&MARK_MOVERS)?,
             })
         });
         let density = (config.extents == Extents::Density).then(|| {

@@ -6,23 +6,26 @@ use unframed_recon::deep::{Placing, Stored, age, slot};
 use unframed_recon::display::ENCODED;
 use unframed_recon::fill::{self, pyramid_len};
 use unframed_recon::hidden::{self, minima_len};
+use unframed_recon::memory::Slot;
+use unframed_recon::motion::Motion;
 use unframed_recon::splat::{self, Target};
 use unframed_recon::tables::SRGB_TO_LINEAR;
 use unframed_recon::tiles::{Cell, TileMap, cells_along};
 use unframed_recon::transform::Transform;
 use unframed_recon::{Fixed, solve};
 use unframed_sim::twin::Probe;
-use unframed_wire::{Packet, Pose, Receiver, Tick, View};
+use unframed_wire::{Packet, Receiver, Tick, View};
 
-/// What the Rust stages make of a stream up to its first refresh, as words of the shaders' layout.
+/// What the Rust stages make of a stream up to its last refresh, as words of the shaders' layout.
 pub(crate) struct Stages {
     pub(crate) expected: Vec<(Probe, Vec<u32>)>,
 }
 
-/// A stream's contents up to its first refresh.
+/// A stream's contents up to its last refresh.
 struct Contents {
     samples: Vec<Stored>,
-    poses: Vec<Option<Pose>>,
+    slots: Vec<Slot<Fixed>>,
+    motion: Motion,
     view: Option<View>,
     now: Tick,
 }
@@ -30,7 +33,8 @@ struct Contents {
 fn contents(bytes: &[u8], map: &mut TileMap<'_>) -> Contents {
     let mut found = Contents {
         samples: Vec::new(),
-        poses: vec![None; 256],
+        slots: vec![Slot::default(); 256],
+        motion: Motion::new(),
         view: None,
         now: Tick(0),
     };
@@ -40,7 +44,8 @@ fn contents(bytes: &[u8], map: &mut TileMap<'_>) -> Contents {
         match packet {
             Packet::View(view) => found.view = Some(view),
             Packet::Poses(poses) => {
-                poses.for_each(|pose| found.poses[usize::from(slot(pose.object))] = Some(pose));
+                poses
+                    .for_each(|pose| found.slots[usize::from(slot(pose.object))].pose = Some(pose));
             }
             Packet::Tiles(tiles) => tiles.for_each(|tile| map.set(&tile)),
             Packet::World(samples) => {
@@ -57,12 +62,13 @@ fn contents(bytes: &[u8], map: &mut TileMap<'_>) -> Contents {
             }
             Packet::Refresh(refresh) => {
                 found.now = refresh.time;
-                return found;
+                let view = found.view.expect("a view");
+                found.motion.refresh(found.now, &view, &mut found.slots);
             }
             _ => {}
         }
     }
-    panic!("the stream asks for no picture");
+    found
 }
 
 fn pair(low: u16, high: u16) -> u32 {
@@ -98,12 +104,11 @@ impl Stages {
             let mut limits = vec![0; pixels];
             hidden::nearest::<Fixed>(&panel, &projected, &mut minima);
             hidden::limits::<Fixed>(&panel, &mut minima, &mut limits);
-            for s in projected.iter_mut().filter(|s| s.weight != 0) {
-                let at = panel.nearest(Fixed::pixel(&panel, s.x), Fixed::pixel(&panel, s.y));
-                if limits[at] < s.depth {
-                    s.weight = 0;
-                }
-            }
+            let mut movers = vec![0; pixels];
+            hidden::mark_movers::<Fixed>(&panel, samples, &projected, &mut movers);
+            hidden::drop::<Fixed>(&panel, &limits, &movers, &mut projected);
+            let words = movers.iter().map(|v| u32::from(*v)).collect();
+            expected.push((Probe::Movers, words));
             expected.push((
                 Probe::Minima,
                 minima.iter().map(|v| u32::from(*v)).collect(),
@@ -172,9 +177,10 @@ fn project(
     contents: &Contents,
 ) -> Vec<Projected<Fixed>> {
     let view = contents.view.expect("a view");
+    let reach = contents.motion.reach::<Fixed>(&view);
     let of = |sample: &Stored| {
         let age = age(sample.time, contents.now)?;
-        let pose = contents.poses[usize::from(sample.slot)]?;
+        let pose = contents.slots[usize::from(sample.slot)].pose?;
         let transform = Transform::compose(&view, &pose);
         let (x, y, depth) = Fixed::project(&transform, panel, sample.place)?;
         let gradient = Fixed::extents(map, panel, x, y);
@@ -194,6 +200,7 @@ fn project(
             depth,
             weight: Fixed::decline(config.kernel, age, lifetime),
             widths,
+            reach: [reach.of(age, sample.slot > slot(0)), reach.of(age, true)],
         })
     };
     let all = contents.samples.iter();

@@ -90,7 +90,8 @@ impl Stream {
         self.hello(400_000);
     }
 
-    /// A camera 20 units before the origin, turned by `turn` radians: 60 degrees over the panel.
+    /// A camera 20 units before the origin, turned by `turn` radians and as many times 9 units to
+    /// the side: 60 degrees over the panel.
     pub(crate) fn view(&mut self, time: u32, turn: f64) {
         let [w, h] = [self.size.0, self.size.1].map(f64::from);
         let f = w.max(h) / 2.0 / 30f64.to_radians().tan();
@@ -101,7 +102,7 @@ impl Stream {
             |axis: [f64; 3], c: f64| std::array::from_fn(|j| q(f * axis[j] + c / 2.0 * forward[j]));
         let view = View {
             time: Tick(time),
-            eye: [0, 0, -20_000],
+            eye: [(turn * 9000.0) as i32, 0, -20_000],
             rows: [row(right, w), row(down, h), forward.map(q)],
             frac_bits: 18,
         };
@@ -229,7 +230,7 @@ fn world(rng: &mut Rng) -> WorldSample {
     let kind = rng.below(100);
     let (place, object, bright) = if kind < 5 {
         let place = [rng.next() as i16, rng.next() as i16, 30_000];
-        (place, SKY, kind % 2 == 0)
+        (place, SKY, kind < 2)
     } else if kind < 40 {
         let (u, v) = (rng.unit() * std::f64::consts::TAU, rng.unit() * 2.0 - 1.0);
         let r = 4000.0 * (1.0 - v * v).sqrt();

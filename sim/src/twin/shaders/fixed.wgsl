@@ -27,6 +27,9 @@ const PLACING_EMPTY: u32 = 0u;
 const PLACING_LATTICE: u32 = 1u;
 const PLACING_SCREEN: u32 = 2u;
 
+// The slot of the static world; those of objects that move come after it.
+const STATIC_SLOT: u32 = 1u;
+
 fn placing(sample: Stored) -> u32 { return (sample.w >> 16u) & 0xffu; }
 fn slot(sample: Stored) -> u32 { return (sample.w >> 8u) & 0xffu; }
 fn rgb(sample: Stored) -> vec3<u32> {
@@ -37,6 +40,11 @@ fn place(sample: Stored) -> vec3<i32> {
     let low = vec3<u32>(sample.y, sample.y >> 16u, sample.z) << vec3<u32>(16u);
     return bitcast<vec3<i32>>(low) >> vec3<u32>(16u);
 }
+
+// Microseconds from a sample to the refresh, by serial-number arithmetic.
+fn since(sample: Stored) -> i32 { return bitcast<i32>(params.now - sample.x); }
+// Samples from the future have age 0.
+fn age(sample: Stored) -> u32 { return u32(max(since(sample), 0i)); }
 
 // The ring's state: where the next sample goes, how many there are, and since the last look how
 // many samples were placed and how many could not be.

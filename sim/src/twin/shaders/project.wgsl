@@ -135,13 +135,11 @@ fn main(
     if i >= ring.len { return; }
     projected[i] = Projected(0u, 0u, 0u);
     let sample = samples[i];
-    // By serial-number arithmetic; so old that the clock's wrap would make it young again: gone.
-    let since = bitcast<i32>(params.now - sample.x);
-    if since >= (1i << 30u) || since <= -(1i << 30u) {
+    // So old that the clock's wrap would make it young again: gone.
+    if since(sample) >= (1i << 30u) || since(sample) <= -(1i << 30u) {
         samples[i].w = sample.w & 0xff00ffffu;
         return;
     }
-    let age = u32(max(since, 0i));
     var seen = Seen(false, 0u, 0u, 0u);
     if placing(sample) == PLACING_SCREEN {
         seen = Seen(
@@ -166,7 +164,7 @@ fn main(
         lifetime = bilinear(around(seen.x, seen.y), LIFETIME);
     }
     if params.extents == EXTENTS_CONSTANT { widths = vec2<i32>(params.width_log); }
-    let weight = decline(age, lifetime);
+    let weight = decline(age(sample), lifetime);
     projected[i] = Projected(
         pack16(seen.x, seen.y),
         pack16(seen.depth, weight),
