@@ -202,6 +202,21 @@ fn every_age_is_equal() {
         stream.samples(400, time, 60_000);
         stream.refresh(time.wrapping_add(40_000), index);
     }
+    // Exactly at the limits of what is remembered, one of them on either side.
+    let now = 1_000_000;
+    for (k, age) in [1 << 30, (1 << 30) - 1, -(1 << 30), 1 - (1 << 30)]
+        .into_iter()
+        .enumerate()
+    {
+        let sample = WorldSample {
+            place: [5000 * k as i16 - 7500, 0, 20_000],
+            rgb: [90 * k as u8, 200, 50],
+            object: 0,
+        };
+        stream.cut(now);
+        stream.same_sample(3, now.wrapping_sub_signed(age), sample);
+        stream.refresh(now, 10 + k as u32);
+    }
     let case = Case {
         config: ADAPTIVE,
         size,
