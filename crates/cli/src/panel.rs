@@ -3,7 +3,9 @@
 use anyhow::{Context, Result};
 use unframed_recon::heap::HeapStorage;
 use unframed_recon::{Config, Display, Fixed, Player};
-use unframed_wire::{Refresh, Counters};
+use unframed_sim::gpu::Gpu;
+use unframed_sim::twin::GpuPlayer;
+use unframed_wire::{Counters, Refresh};
 
 use crate::args::DisplayKind;
 
@@ -37,6 +39,20 @@ impl Panel for Player<'_, Fixed> {
     }
 }
 
+impl Panel for GpuPlayer<'_> {
+    fn push(&mut self, input: &mut &[u8]) -> Result<Option<Refresh>> {
+        Ok(Self::push(self, input)?)
+    }
+
+    fn picture(&self) -> &[[u8; 3]] {
+        Self::picture(self)
+    }
+
+    fn link(&self) -> Counters {
+        *self.receiver().counters()
+    }
+}
+
 /// What is asked of a panel.
 #[derive(Debug, Clone, Copy)]
 pub struct Order {
@@ -60,9 +76,36 @@ pub fn with_panel<R>(
     order: &Order,
     work: impl FnOnce(&mut dyn Panel, &str) -> Result<R>,
 ) -> Result<R> {
-    let mut storage =
-        HeapStorage::<Fixed>::new(order.width, order.height, order.samples as usize);
-    let display = Display::new(order.config, order.width, order.height, storage.memory())
+    let (width, height, samples) = (order.width, order.height, order.samples as usize);
+    if let Some(gpu) = adapter(order.kind)? {
+        let mut player = GpuPlayer::new(&gpu, order.config, width, height, samples)
+            .context("cannot set up the display on the adapter")?;
+        return work(&mut player, &format!("wgpu ({})", gpu.describe()));
+    }
+    let mut storage = HeapStorage::<Fixed>::new(width, height, samples);
+    let display = Display::new(order.config, width, height, storage.memory())
         .context("cannot set up the display")?;
     work(&mut Player::new(display), "cpu")
+}
+
+/// The adapter to show on, if one is asked for or worth it: a software adapter shows the same
+/// bits as the CPU, later.
+fn adapter(kind: DisplayKind) -> Result<Option<Gpu>> {
+    static TOLD: std::sync::Once = std::sync::Once::new();
+    let tell = |reason: String| TOLD.call_once(|| eprintln!("display: the CPU ({reason})"));
+    match kind {
+        DisplayKind::Cpu => Ok(None),
+        DisplayKind::Wgpu => Ok(Some(Gpu::new().context("--display wgpu")?)),
+        DisplayKind::Auto => Ok(match Gpu::new() {
+            Ok(gpu) if !gpu.is_software() => Some(gpu),
+            Ok(gpu) => {
+                tell(format!("the only adapter is software: {}", gpu.describe()));
+                None
+            }
+            Err(_) => {
+                tell("no graphics adapter; `--display wgpu` says why".to_owned());
+                None
+            }
+        }),
+    }
 }
