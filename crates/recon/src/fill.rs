@@ -110,7 +110,7 @@ fn push_level<A: Arith>(fine: &mut [Texel<A>], size: Size, coarse: &[Texel<A>], 
 /// The coarse neighbour on the side of fine index `i`, clamped.
 fn beside(i: usize, len: usize) -> usize {
     let near = i / 2;
-    if i % 2 == 0 {
+    if i.is_multiple_of(2) {
         near.saturating_sub(1)
     } else {
         (near + 1).min(len - 1)

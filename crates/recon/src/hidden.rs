@@ -67,10 +67,10 @@ pub fn nearest<A: Arith>(panel: &Panel, projected: &[Projected<A>], minima: &mut
             if !inside {
                 continue;
             }
-            if let Some(cell) = level.get_mut(panel.nearest(x, y)) {
-                if sample.depth < *cell {
-                    *cell = sample.depth;
-                }
+            if let Some(cell) = level.get_mut(panel.nearest(x, y))
+                && sample.depth < *cell
+            {
+                *cell = sample.depth;
             }
         }
     }

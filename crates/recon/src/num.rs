@@ -19,11 +19,9 @@ pub const fn mul_hi(a: u32, b: u32) -> u32 {
 #[inline]
 #[must_use]
 pub const fn reciprocal(d: u32) -> u32 {
-    let top = d >> 16;
-    let seed = if top == 0 {
-        u32::MAX
-    } else {
-        (u32::MAX / top) << 15
+    let seed = match u32::MAX.checked_div(d >> 16) {
+        Some(quotient) => quotient << 15,
+        None => u32::MAX,
     };
     let error = mul_hi(d, seed).wrapping_neg();
     let (hi, lo) = {

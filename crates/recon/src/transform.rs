@@ -52,27 +52,26 @@ impl Transform {
     /// largest entry, or to 2^−49 of the largest offset where that is coarser.
     #[must_use]
     pub fn compose(view: &View, pose: &Pose) -> Self {
-        let mut wide = [[0i64; 3]; 3];
-        let mut offset = [0i64; 3];
-        let mut largest = 1u64;
-        let mut farthest = 1u64;
-        for k in 0..3 {
-            for i in 0..3 {
-                // Three products of at most 2^60 each.
-                wide[k][i] = (0..3)
-                    .map(|j| i64::from(view.rows[k][j]) * i64::from(pose.matrix[j][i]))
-                    .sum();
-                largest = largest.max(wide[k][i].unsigned_abs());
-            }
-            // Three products of at most 2^30 · 2^30.
-            offset[k] = (0..3)
-                .map(|j| {
-                    let d = i64::from(pose.translation[j]) - i64::from(view.eye[j]);
-                    i64::from(view.rows[k][j]) * d
-                })
-                .sum();
-            farthest = farthest.max(offset[k].unsigned_abs());
-        }
+        // Three products of at most 2^60 each.
+        let wide: [[i64; 3]; 3] = view.rows.map(|row| {
+            core::array::from_fn(|i| {
+                row.iter()
+                    .zip(&pose.matrix)
+                    .map(|(r, m)| i64::from(*r) * i64::from(m[i]))
+                    .sum()
+            })
+        });
+        // Three products of at most 2^30 · 2^30.
+        let offset: [i64; 3] = view.rows.map(|row| {
+            let away = pose
+                .translation
+                .iter()
+                .zip(view.eye)
+                .map(|(t, e)| i64::from(*t) - i64::from(e));
+            row.iter().zip(away).map(|(r, d)| i64::from(*r) * d).sum()
+        });
+        let bound = |values: &[i64]| values.iter().fold(1, |most, v| v.unsigned_abs().max(most));
+        let (largest, farthest) = (bound(wide.as_flattened()), bound(&offset));
         let frac = i32::from(pose.frac_bits);
         let narrow = (exponent(largest) - 29)
             .max(exponent(farthest) + frac - 48)
