@@ -17,7 +17,10 @@
 //!
 //! The one difference in structure: Rust scatters each sample to the pixels of its footprint, the
 //! adapter sorts samples by pixel and gathers, so that each pixel's 64-bit sums belong to one
-//! invocation. Both add the same integers, and integer sums do not depend on the order.
+//! invocation. Both add the same integers, and integer sums do not depend on the order. Measured
+//! on lavapipe (400,000 samples, 256 × 256 pixels, two busy cores; `examples/twin_rate.rs`): a
+//! gather bin by bin took 1090 ms, along rows of bins no longer than any sample's reach 310 ms,
+//! and skipping what is out of reach before its light is loaded 220 ms.
 
 mod display;
 #[cfg(test)]

@@ -209,8 +209,8 @@ fn every_age_is_equal() {
         .enumerate()
     {
         let sample = WorldSample {
-            place: [5000 * k as i16 - 7500, 0, 20_000],
-            rgb: [90 * k as u8, 200, 50],
+            place: [2000 * k as i16 - 3000, 0, 20_000],
+            rgb: [60 * k as u8, 200, 50],
             object: 0,
         };
         stream.cut(now);
