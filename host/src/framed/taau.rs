@@ -3,14 +3,14 @@
 //! of temporal antialiasing techniques").
 //!
 //! At each refresh a frame of rate/60 samples is traced, its samples jittered together. Each pixel
-//! of the panel finds its surface in the nearest sample (else in the nearest or the farthest
-//! surface around), follows it back to where the history has it, exactly, by hit and pose; takes
-//! the history by Catmull-Rom interpolation, clips it to what the new samples around allow, and
-//! adds the new samples by their distance. The frame is traced with the view one refresh interval
+//! of the panel finds its surface in a sample that fell into it, else in the history's own
+//! surfaces, moved along, else in the samples around; follows it back to where the history has it,
+//! exactly, by hit and pose; takes the history by Catmull-Rom interpolation, clips it to what the
+//! new samples around allow, and adds the new samples by their distance. The frame is traced with the view one refresh interval
 //! before it is shown, as [`super`] says, and is warped to the view and the poses of the refresh
 //! at the last moment.
 
-use glam::{Affine3A, UVec2, Vec2, Vec3, Vec3A};
+use glam::{Affine3A, IVec2, UVec2, Vec2, Vec3, Vec3A};
 use rayon::prelude::*;
 use unframed_wire::SKY;
 
@@ -74,6 +74,8 @@ const NOTHING: Texel = Texel {
 
 /// Relative difference of depth within which two places are the same surface.
 const SAME_DEPTH: f32 = 0.05;
+/// Relative difference of depth from a sample to the next from which on they are not of a surface.
+const STEEPEST: f32 = 0.2;
 /// The weight of a sample far away, for pixels that have none nearby.
 const FAR_WEIGHT: f32 = 1e-3;
 
@@ -133,20 +135,51 @@ impl Taau {
         frame.measure_slopes();
         self.samples += frame.hits.len() as u64;
         let camera = self.world.camera(time);
-        let back = self
-            .last
-            .map(|(past, then)| Motion::new(&self.world, (&camera, time), (&past, then)));
-        let (frame, history, tuning, size) = (&self.frame, &self.history, &self.tuning, self.size);
+        let past = self.last.map(|(past, then)| Past {
+            back: Motion::new(&self.world, (&camera, time), (&past, then)),
+            moved: self.move_surfaces(&Motion::new(&self.world, (&past, then), (&camera, time))),
+            history: &self.history,
+        });
+        let (frame, tuning, size) = (&self.frame, &self.tuning, self.size);
         let blend = |i: usize| {
             let pixel = UVec2::new(i as u32 % size.x, i as u32 / size.x);
-            frame.blend(pixel, history, back.as_ref(), tuning)
+            frame.blend(pixel, past.as_ref(), tuning)
         };
-        self.history = (0..history.len())
+        let next = (0..self.history.len())
             .into_par_iter()
             .with_min_len(256)
             .map(blend)
             .collect();
+        self.history = next;
         self.last = Some((camera, time));
+    }
+
+    /// The history's surfaces in another view, where one of them falls into a pixel; the nearest
+    /// counts.
+    fn move_surfaces(&self, motion: &Motion) -> Vec<Option<Surface>> {
+        let mut moved: Vec<Option<Surface>> = vec![None; self.history.len()];
+        for (i, texel) in self.history.iter().enumerate() {
+            let Some((at, inverse_depth)) = motion.carry(self.centre(i), texel.surface) else {
+                continue;
+            };
+            if at.cmplt(Vec2::ZERO).any() || at.cmpge(self.size.as_vec2()).any() {
+                continue;
+            }
+            let slot = &mut moved[(at.y as u32 * self.size.x + at.x as u32) as usize];
+            if slot.is_none_or(|known| known.inverse_depth < inverse_depth) {
+                *slot = Some(Surface {
+                    inverse_depth,
+                    ..texel.surface
+                });
+            }
+        }
+        moved
+    }
+
+    /// The centre of a pixel of the panel.
+    fn centre(&self, i: usize) -> Vec2 {
+        let i = i as u32;
+        UVec2::new(i % self.size.x, i / self.size.x).as_vec2() + 0.5
     }
 
     /// Shows the history as seen at `time`.
@@ -157,21 +190,21 @@ impl Taau {
         let view = self.world.camera(time);
         let motion = Motion::new(&self.world, (&camera, then), (&view, time));
         let (size, history) = (self.size, &self.history);
-        let centre =
-            |i: usize| UVec2::new(i as u32 % size.x, i as u32 / size.x).as_vec2() + Vec2::splat(0.5);
+        let centre = |i: usize| self.centre(i);
         let moved: Vec<Option<(Vec2, f32)>> = (0..history.len())
             .into_par_iter()
             .with_min_len(256)
             .map(|i| motion.carry(centre(i), history[i].surface))
             .collect();
-        (0..history.len())
+        let picture = (0..history.len())
             .into_par_iter()
             .with_min_len(256)
             .map(|i| {
                 let source = find_source(centre(i), &moved, size);
                 srgb::encode8(catmull_rom(history, size, source).max(Vec3::ZERO))
             })
-            .collect_into_vec(&mut self.picture);
+            .collect();
+        self.picture = picture;
     }
 }
 
@@ -190,6 +223,15 @@ impl Framed for Taau {
     fn samples(&self) -> u64 {
         self.samples
     }
+}
+
+/// What a new frame is added to.
+struct Past<'a> {
+    /// From the new view to the history's.
+    back: Motion,
+    /// The history's surfaces in the new view.
+    moved: Vec<Option<Surface>>,
+    history: &'a [Texel],
 }
 
 /// A frame's samples.
@@ -228,8 +270,10 @@ impl Low {
     fn measure_slopes(&mut self) {
         let step = self.step();
         let difference = |a: usize, b: usize| {
-            (a != b && self.hits[a].object == self.hits[b].object)
-                .then(|| inverse_depth(&self.hits[b]) - inverse_depth(&self.hits[a]))
+            let (from, to) = (&self.hits[a], &self.hits[b]);
+            let change = inverse_depth(to) - inverse_depth(from);
+            let steep = change.abs() > STEEPEST * inverse_depth(from).max(inverse_depth(to));
+            (a != b && from.object == to.object && !steep).then_some(change)
         };
         let smaller = |a: Option<f32>, b: Option<f32>| match (a, b) {
             (Some(a), Some(b)) => {
@@ -270,13 +314,7 @@ impl Low {
     }
 
     /// The new texel of a pixel.
-    fn blend(
-        &self,
-        pixel: UVec2,
-        history: &[Texel],
-        back: Option<&Motion>,
-        tuning: &Tuning,
-    ) -> Texel {
+    fn blend(&self, pixel: UVec2, past: Option<&Past<'_>>, tuning: &Tuning) -> Texel {
         let centre = pixel.as_vec2() + Vec2::splat(0.5);
         let step = self.step();
         let nearest = (centre / step - self.jitter).round().as_ivec2();
@@ -284,9 +322,12 @@ impl Low {
         let (mut mean, mut square) = (Vec3::ZERO, Vec3::ZERO);
         let own = self.index(nearest.x, nearest.y);
         let (mut front, mut behind) = (own, own);
+        // At the border the window moves inwards, so that no sample counts twice.
+        let last = self.resolution.as_ivec2() - 1;
+        let middle = nearest.max(IVec2::ONE).min(last - 1).max(IVec2::ZERO);
         for dy in -1..=1 {
             for dx in -1..=1 {
-                let i = self.index(nearest.x + dx, nearest.y + dy);
+                let i = self.index(middle.x + dx, middle.y + dy);
                 let hit = &self.hits[i];
                 let off = (self.place(i) - centre).length_squared();
                 let near = (-0.5 * off / (tuning.sigma * tuning.sigma)).exp();
@@ -312,24 +353,39 @@ impl Low {
             count: (close + FAR_WEIGHT).min(1.0),
             surface: own_surface,
         };
-        let Some(back) = back else { return fresh };
-        let found = [own, front, behind].into_iter().find_map(|sample| {
-            let surface = self.surface(sample, centre);
-            let (at, inverse_depth) = back.carry(centre, surface)?;
+        let Some(past) = past else { return fresh };
+        // What is behind all that is seen around has come to be hidden. What is in front of it all
+        // is too thin for these samples, but nothing contradicts it.
+        let farthest = inverse_depth(&self.hits[behind]) * (1.0 - SAME_DEPTH);
+        let nearest = inverse_depth(&self.hits[front]) * (1.0 + SAME_DEPTH);
+        let moved = past.moved[(pixel.y * self.size.x + pixel.x) as usize]
+            .filter(|surface| surface.inverse_depth >= farthest);
+        let falls_here = (self.place(own) - centre).abs().max_element() < 0.5;
+        let around = [own, front, behind].map(|sample| Some(self.surface(sample, centre)));
+        let [own, front, behind] = around;
+        let candidates = if falls_here {
+            [own, moved, front, behind]
+        } else {
+            [moved, own, front, behind]
+        };
+        let found = candidates.into_iter().flatten().find_map(|surface| {
+            let (at, inverse_depth) = past.back.carry(centre, surface)?;
             let then = Surface {
                 inverse_depth,
                 ..surface
             };
-            Some((surface, recall(history, self.size, at, then)?))
+            Some((surface, recall(past.history, self.size, at, then)?))
         });
         let Some((surface, (old, count))) = found else {
             return fresh;
         };
         let deviation = (square - mean * mean).max(Vec3::ZERO).map(f32::sqrt) * tuning.clip;
-        // The new colour itself is always allowed.
-        let low = (mean - deviation).min(new);
-        let high = (mean + deviation).max(new);
-        let old = old.clamp(low, high);
+        let old = if surface.inverse_depth > nearest {
+            old
+        } else {
+            // The new colour itself is always allowed.
+            old.clamp((mean - deviation).min(new), (mean + deviation).max(new))
+        };
         let count = count.min(tuning.history);
         let total = count + fresh.count;
         Texel {
