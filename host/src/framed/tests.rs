@@ -29,7 +29,12 @@ fn still(name: &str) -> World {
 fn rmse(a: &[[u8; 3]], b: &[[u8; 3]]) -> f64 {
     assert_eq!(a.len(), b.len());
     let square = |(a, b): (&u8, &u8)| (f64::from(*a) - f64::from(*b)).powi(2);
-    let sum: f64 = a.as_flattened().iter().zip(b.as_flattened()).map(square).sum();
+    let sum: f64 = a
+        .as_flattened()
+        .iter()
+        .zip(b.as_flattened())
+        .map(square)
+        .sum();
     (sum / (3 * a.len()) as f64).sqrt()
 }
 
@@ -37,7 +42,10 @@ fn rmse(a: &[[u8; 3]], b: &[[u8; 3]]) -> f64 {
 fn a_frame_of_a_still_scene_is_the_ideal_image_at_pixel_centres() {
     let mut world = still("toycar");
     let centres = ideal(&mut world, 0.0, 1);
-    assert!(rmse(&centres, &ideal(&mut world, 0.0, 4)) > 1.0, "there is something to see");
+    assert!(
+        rmse(&centres, &ideal(&mut world, 0.0, 4)) > 1.0,
+        "there is something to see"
+    );
     let mut frames = [
         Frames::every_refresh(world.clone(), true),
         Frames::every_refresh(world.clone(), false),
@@ -72,7 +80,10 @@ fn what_is_shown_is_exactly_as_old_as_stated() {
         assert!(age < 2.0 * interval + 1e-9, "{age} at {time}");
         assert!(age >= interval - 1e-9 || content == 0.0, "{age} at {time}");
         let whole = content / interval;
-        assert!((whole - whole.round()).abs() < 1e-6, "a frame begins at {content}");
+        assert!(
+            (whole - whole.round()).abs() < 1e-6,
+            "a frame begins at {content}"
+        );
         assert!((tenfold.show(time) - (time - 1.0 / 60.0)).abs() < 1e-9);
         assert_eq!(ahead.show(time), time);
         if refresh % 7 == 0 {
@@ -98,9 +109,15 @@ fn budgets_are_kept_and_used() {
         let budget = rate / 60.0;
         let frame = resolution(size, budget);
         let used = f64::from(frame.x * frame.y);
-        assert!(used <= budget && used > 0.96 * budget, "{frame} of {budget}");
+        assert!(
+            used <= budget && used > 0.96 * budget,
+            "{frame} of {budget}"
+        );
         let shape = |v: UVec2| f64::from(v.x) / f64::from(v.y);
-        assert!((shape(frame) / shape(size) - 1.0).abs() < 0.06, "{frame} for {size}");
+        assert!(
+            (shape(frame) / shape(size) - 1.0).abs() < 0.06,
+            "{frame} for {size}"
+        );
     }
     assert_eq!(resolution(UVec2::new(256, 256), 0.2), UVec2::ONE);
 }
@@ -112,15 +129,22 @@ fn upscaling_over_time_converges_on_a_still_scene() {
     let rate = 64 * 48 * 6;
     let mut coarse = Frames::low_resolution(world.clone(), rate, Upscale::Linear);
     let mut full = Frames::every_refresh(world.clone(), false);
+    let twin = world.clone();
     let mut taau = Taau::new(world, rate, Tuning::SHARP, 1);
     for refresh in 1..=150 {
         taau.show(f64::from(refresh) / 60.0);
     }
+    let mut blocks = Frames::low_resolution(twin, rate, Upscale::Nearest);
+    blocks.show(2.5);
     coarse.show(2.5);
     full.show(2.5);
-    let [coarse, full, taau] =
-        [coarse.picture(), full.picture(), taau.picture()].map(|p| rmse(p, &exact));
-    assert!(taau < 0.6 * coarse, "{taau} against {coarse} at low resolution");
+    let [blocks, coarse, full, taau] =
+        [&blocks as &dyn Framed, &coarse, &full, &taau].map(|f| rmse(f.picture(), &exact));
+    assert!(coarse < blocks, "{coarse} interpolated, {blocks} in blocks");
+    assert!(
+        taau < 0.6 * coarse,
+        "{taau} against {coarse} at low resolution"
+    );
     assert!(taau < full, "{taau} against {full} without antialiasing");
 }
 
@@ -160,7 +184,9 @@ fn surfaces_are_carried_where_their_hits_go() {
                 camera.project(place)
             };
             let carried = carry_for_tests(&world, now, then, pixel, &hit);
-            let Some((exact, depth)) = exact else { continue };
+            let Some((exact, depth)) = exact else {
+                continue;
+            };
             if !(-200.0..400.0).contains(&exact.x) || !(-200.0..400.0).contains(&exact.y) {
                 continue;
             }

@@ -49,7 +49,10 @@ fn evaluate(args: &EvalArgs, threads: usize) -> Result<()> {
     let build = build()?;
     let cell_dir = args.out.join("cells");
     make_out(&cell_dir)?;
-    let root = args.cache.clone().unwrap_or_else(|| args.out.join("ideals"));
+    let root = args
+        .cache
+        .clone()
+        .unwrap_or_else(|| args.out.join("ideals"));
     let stages: Vec<Stage> = args
         .scenes
         .iter()
@@ -58,14 +61,24 @@ fn evaluate(args: &EvalArgs, threads: usize) -> Result<()> {
     let count = settings(args).refreshes;
 
     // Refreshes to come: of methods, and of ideal images, which take as long as a few.
-    let missing: u64 = stages.iter().filter(|s| !s.open.is_empty()).map(|_| u64::from(count)).sum();
+    let missing: u64 = stages
+        .iter()
+        .filter(|s| !s.open.is_empty())
+        .map(|_| u64::from(count))
+        .sum();
     let methods: u64 = stages
         .iter()
         .flat_map(|stage| stage.open.iter().map(|i| &stage.jobs[*i]))
         .map(|job| u64::from(count) * job.method.settings().len() as u64)
         .sum();
     let progress = bar(missing + methods, "eval");
-    let workshop = Workshop { dir: &cell_dir, threads, build: &build, progress: &progress, begin };
+    let workshop = Workshop {
+        dir: &cell_dir,
+        threads,
+        build: &build,
+        progress: &progress,
+        begin,
+    };
     let mut cells: Vec<(Job, Cell)> = Vec::new();
     for stage in &stages {
         progress.set_message(stage.name.clone());
@@ -106,12 +119,14 @@ fn stage(args: &EvalArgs, name: &str, root: &Path, cell_dir: &Path) -> Result<St
     }
     let scene_key = Key::of_scene(&opened.scene).to_string();
     let size = [args.size.width, args.size.height].map(u32::from);
-    let world =
-        World::new(opened.scene, size).with_context(|| format!("cannot render {name}"))?;
+    let world = World::new(opened.scene, size).with_context(|| format!("cannot render {name}"))?;
     let cache = Cache::new(root, name, &world)?;
     let mut jobs: Vec<Job> = Vec::new();
-    let methods: Vec<EvalMethod> =
-        if args.methods.is_empty() { EvalMethod::all().collect() } else { args.methods.clone() };
+    let methods: Vec<EvalMethod> = if args.methods.is_empty() {
+        EvalMethod::all().collect()
+    } else {
+        args.methods.clone()
+    };
     for method in methods {
         for rate in &args.rates {
             for seed in 1..=u64::from(args.seeds) {
@@ -134,7 +149,13 @@ fn stage(args: &EvalArgs, name: &str, root: &Path, cell_dir: &Path) -> Result<St
     let open = (0..jobs.len())
         .filter(|i| args.fresh || finished(cell_dir, &jobs[*i]).is_none())
         .collect();
-    Ok(Stage { name: name.to_owned(), world, cache, jobs, open })
+    Ok(Stage {
+        name: name.to_owned(),
+        world,
+        cache,
+        jobs,
+        open,
+    })
 }
 
 /// Does what is to be done on one scene.
@@ -190,15 +211,27 @@ fn write(args: &EvalArgs, stages: &[Stage], cells: &[(Job, Cell)], dir: &Path) -
         ideal: &ideal,
         cell_dir: dir,
         facts: vec![
-            ("panel".to_owned(), format!("{}x{}", args.size.width, args.size.height)),
-            ("simulated".to_owned(), format!("{} s at {REFRESH_HZ} Hz", args.seconds)),
+            (
+                "panel".to_owned(),
+                format!("{}x{}", args.size.width, args.size.height),
+            ),
+            (
+                "simulated".to_owned(),
+                format!("{} s at {REFRESH_HZ} Hz", args.seconds),
+            ),
             ("seeds".to_owned(), args.seeds.to_string()),
-            ("display remembers".to_owned(), format!("{} samples", args.samples)),
+            (
+                "display remembers".to_owned(),
+                format!("{} samples", args.samples),
+            ),
         ],
     };
     page::write(&findings, &args.out)?;
     tell(&rows, &verdicts);
-    println!("numbers, plots and pictures: {}", args.out.join("report.html").display());
+    println!(
+        "numbers, plots and pictures: {}",
+        args.out.join("report.html").display()
+    );
     Ok(())
 }
 

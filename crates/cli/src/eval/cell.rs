@@ -76,13 +76,16 @@ impl Job {
     pub fn file_stem(&self) -> String {
         let key = Key::default().with(format_args!(
             "{VERSION} {} {} {} {:?} {REFRESH_HZ}",
-            self.scene_key,
-            self.rate,
-            self.seed,
-            self.settings,
+            self.scene_key, self.rate, self.seed, self.settings,
         ));
         let key = key.with(format_args!("{}", self.method.fingerprint()));
-        format!("{}-{}-{}-{}-{key}", slug(&self.scene), self.method, self.rate, self.seed)
+        format!(
+            "{}-{}-{}-{}-{key}",
+            slug(&self.scene),
+            self.method,
+            self.rate,
+            self.seed
+        )
     }
 }
 
@@ -177,7 +180,10 @@ pub fn run(
             way @ Way::Stream { .. } => run.stream(world, way)?,
         }
         let (cell, pictures) = run.finish(setting, build)?;
-        if best.as_ref().is_none_or(|(known, _)| cell.rmse < known.rmse) {
+        if best
+            .as_ref()
+            .is_none_or(|(known, _)| cell.rmse < known.rmse)
+        {
             best = Some((cell, pictures));
         }
     }
@@ -249,7 +255,8 @@ impl<'a> Run<'a> {
     /// Takes the picture of a refresh.
     fn score(&mut self, index: u32, shown: &[[u8; 3]]) -> Result<()> {
         let reference = &self.references[index as usize];
-        self.sequence.push(&reference.image, shown, reference.time)?;
+        self.sequence
+            .push(&reference.image, shown, reference.time)?;
         let (ideal, image) = (self.image(&reference.image)?, self.image(shown)?);
         self.shares.push(ideal, image, &reference.classes)?;
         if self.kept.contains(&index) {
@@ -272,12 +279,22 @@ impl<'a> Run<'a> {
     }
 
     fn stream(&mut self, world: &World, way: Way) -> Result<()> {
-        let Way::Stream { sampler, layout, tile_fields, display } = way else {
+        let Way::Stream {
+            sampler,
+            layout,
+            tile_fields,
+            display,
+        } = way
+        else {
             return Ok(());
         };
         let job = self.job;
-        let promise =
-            Promise { layout, tile_fields, rate: job.rate, refresh_millihertz: REFRESH_HZ * 1000 };
+        let promise = Promise {
+            layout,
+            tile_fields,
+            rate: job.rate,
+            refresh_millihertz: REFRESH_HZ * 1000,
+        };
         let order = Order {
             kind: DisplayKind::Cpu,
             config: display,
@@ -335,9 +352,8 @@ impl<'a> Run<'a> {
         fresh: &[[u8; 3]],
     ) -> Result<()> {
         let ideal = self.image(&self.references[index as usize].image)?;
-        let error = |pixels| -> Result<u64> {
-            Ok(SquaredError::between(ideal, self.image(pixels)?)?.sum)
-        };
+        let error =
+            |pixels| -> Result<u64> { Ok(SquaredError::between(ideal, self.image(pixels)?)?.sum) };
         let (as_shown, without_age) = (error(shown)?, error(fresh)?);
         let sums = self.causes.get_or_insert((0, 0));
         sums.0 += as_shown;
@@ -371,11 +387,17 @@ impl<'a> Run<'a> {
             seconds_host: self.seconds_host,
             seconds_display: self.seconds_display,
             cuts: self.cuts,
-            stale: self.causes.map(|(shown, fresh)| 1.0 - fresh as f64 / (shown as f64).max(1.0)),
+            stale: self
+                .causes
+                .map(|(shown, fresh)| 1.0 - fresh as f64 / (shown as f64).max(1.0)),
             classes: PixelClass::ALL.iter().map(class).collect(),
             refreshes: refreshes
                 .iter()
-                .map(|r| Point { time: r.time, rmse: r.rmse, flip: r.flip })
+                .map(|r| Point {
+                    time: r.time,
+                    rmse: r.rmse,
+                    flip: r.flip,
+                })
                 .collect(),
             build: build.to_owned(),
         };

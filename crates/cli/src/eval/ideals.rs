@@ -80,7 +80,11 @@ impl Cache {
         let class = |code: &u8| PixelClass::ALL.get(usize::from(*code)).copied();
         let classes: Vec<PixelClass> = codes.iter().map(class).collect::<Option<_>>()?;
         let whole = classes.len() == image.len();
-        whole.then(|| Reference { time: instant(index), image, classes })
+        whole.then(|| Reference {
+            time: instant(index),
+            image,
+            classes,
+        })
     }
 
     /// The reference of a refresh: the stored one, else computed on all threads and stored.
@@ -98,7 +102,11 @@ impl Cache {
         write_whole(&self.class_path(index), &codes)?;
         let png = png_bytes(self.width as usize, self.height as usize, &image)?;
         write_whole(&self.image_path(index), &png)?;
-        Ok(Reference { time, image, classes })
+        Ok(Reference {
+            time,
+            image,
+            classes,
+        })
     }
 
     fn image_path(&self, index: u32) -> PathBuf {
@@ -116,7 +124,8 @@ pub(crate) fn read_png(path: &Path, width: u32, height: u32) -> Option<Vec<[u8; 
     let mut reader = png::Decoder::new(file).read_info().ok()?;
     let mut bytes = vec![0; reader.output_buffer_size()?];
     let info = reader.next_frame(&mut bytes).ok()?;
-    let fits = (info.width, info.height) == (width, height) && info.color_type == png::ColorType::Rgb;
+    let fits =
+        (info.width, info.height) == (width, height) && info.color_type == png::ColorType::Rgb;
     let (pixels, rest) = bytes[..info.buffer_size()].as_chunks::<3>();
     (fits && rest.is_empty()).then(|| pixels.to_vec())
 }
@@ -129,15 +138,18 @@ pub fn classify(world: &mut World, time: f64, image: &[[u8; 3]]) -> Vec<PixelCla
     let centre = |i: usize| Vec2::new((i % w) as f32, (i / w) as f32) + 0.5;
     world.prepare(time, time);
     let moment = world.moment(time);
-    let hits: Vec<Hit> =
-        (0..w * h).into_par_iter().map(|i| moment.look(centre(i), i as u32)).collect();
+    let hits: Vec<Hit> = (0..w * h)
+        .into_par_iter()
+        .map(|i| moment.look(centre(i), i as u32))
+        .collect();
     let past = (time - MOMENT_AGO).max(0.0);
     world.prepare(past, past);
     let world = &*world;
     let objects = world.object_count() as u8;
     let then: Vec<Affine3A> = (0..objects).map(|k| world.pose(k, past)).collect();
-    let moved: Vec<bool> =
-        (0..objects).map(|k| then[usize::from(k)] != world.pose(k, time)).collect();
+    let moved: Vec<bool> = (0..objects)
+        .map(|k| then[usize::from(k)] != world.pose(k, time))
+        .collect();
     let motion = world.moves();
     let only_view_moves = !motion.objects && !motion.lights;
     let camera = world.camera(past);
@@ -157,11 +169,19 @@ pub fn classify(world: &mut World, time: f64, image: &[[u8; 3]]) -> Vec<PixelCla
                 let near = hit.object == SKY || (before.depth - depth).abs() <= 0.01 * depth;
                 (before.object == hit.object && near).then_some(before)
             });
-        let Some(before) = seen else { return PixelClass::Disocclusion };
-        if moved.get(usize::from(hit.object)).is_some_and(|moved| *moved) {
+        let Some(before) = seen else {
+            return PixelClass::Disocclusion;
+        };
+        if moved
+            .get(usize::from(hit.object))
+            .is_some_and(|moved| *moved)
+        {
             return PixelClass::Moving;
         }
-        let change = levels(hit).into_iter().zip(levels(&before)).map(|(a, b)| (a - b).abs());
+        let change = levels(hit)
+            .into_iter()
+            .zip(levels(&before))
+            .map(|(a, b)| (a - b).abs());
         let change = change.fold(0.0, f32::max);
         if hit.rays.bounce > 0 || (only_view_moves && change >= VIEW_CHANGE) {
             PixelClass::ViewDependent
@@ -177,7 +197,9 @@ pub fn classify(world: &mut World, time: f64, image: &[[u8; 3]]) -> Vec<PixelCla
 }
 
 fn levels(hit: &Hit) -> [f32; 3] {
-    hit.colour.to_array().map(|c| 255.0 * unframed_host::trace::srgb::encode(c))
+    hit.colour
+        .to_array()
+        .map(|c| 255.0 * unframed_host::trace::srgb::encode(c))
 }
 
 /// Whether the object changes from a pixel to one beside it, or its surface bends away. (The
@@ -185,7 +207,13 @@ fn levels(hit: &Hit) -> [f32; 3] {
 fn is_edge(hits: &[Hit], width: usize, i: usize) -> bool {
     let (x, y) = (i % width, i / width);
     let height = hits.len() / width;
-    let inverse = |hit: &Hit| if hit.object == SKY { 0.0 } else { 1.0 / hit.depth };
+    let inverse = |hit: &Hit| {
+        if hit.object == SKY {
+            0.0
+        } else {
+            1.0 / hit.depth
+        }
+    };
     let bends = |before: usize, after: usize| {
         let (a, b, c) = (&hits[before], &hits[i], &hits[after]);
         let bend = inverse(a) - 2.0 * inverse(b) + inverse(c);

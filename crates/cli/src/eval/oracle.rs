@@ -76,8 +76,12 @@ impl Oracle {
         // What was seen before a cut was not sent: the last ones were.
         let sent = &shots[shots.len().saturating_sub(arrived.len())..];
         let joined = arrived.into_iter().zip(sent);
-        self.samples.extend(joined.map(|((time, sample), shot)| (time, sample, shot.hit)));
-        let surplus = self.samples.len().saturating_sub(self.order.samples as usize);
+        self.samples
+            .extend(joined.map(|((time, sample), shot)| (time, sample, shot.hit)));
+        let surplus = self
+            .samples
+            .len()
+            .saturating_sub(self.order.samples as usize);
         self.samples.drain(..surplus);
     }
 
@@ -91,7 +95,9 @@ impl Oracle {
         world.prepare(time, time);
         let moment = world.moment(time);
         let camera = *moment.camera();
-        let poses: Vec<_> = (0..world.object_count()).map(|k| world.pose(k as u8, time)).collect();
+        let poses: Vec<_> = (0..world.object_count())
+            .map(|k| world.pose(k as u8, time))
+            .collect();
         let again = |(index, hit): (usize, &Hit)| {
             let offset = match poses.get(usize::from(hit.object)) {
                 Some(pose) if hit.object != SKY => pose.transform_point3(hit.local) - camera.eye,
@@ -105,7 +111,13 @@ impl Oracle {
         let hits: Vec<Hit> = self.samples.iter().map(|sample| sample.2).collect();
         let colours: Vec<Option<[u8; 3]>> = hits.par_iter().enumerate().map(again).collect();
 
-        let Order { config, width, height, samples, .. } = self.order;
+        let Order {
+            config,
+            width,
+            height,
+            samples,
+            ..
+        } = self.order;
         let mut storage = HeapStorage::<Fixed>::new(width, height, samples as usize);
         let mut display = Display::new(config, width, height, storage.memory())
             .context("cannot set up the display")?;

@@ -85,8 +85,11 @@ fn rates(rows: &[Row]) -> Vec<u32> {
     let tenfold = |row: &&Row| {
         EvalMethod::all().any(|method| method.is_tenfold() && method.name() == row.method)
     };
-    let mut rates: Vec<u32> =
-        rows.iter().filter(|row| !tenfold(row)).map(|row| row.rate).collect();
+    let mut rates: Vec<u32> = rows
+        .iter()
+        .filter(|row| !tenfold(row))
+        .map(|row| row.rate)
+        .collect();
     rates.sort_unstable();
     rates.dedup();
     rates
@@ -101,16 +104,24 @@ fn find<'a>(rows: &'a [Row], scene: &str, method: EvalMethod, rate: u32) -> Opti
 }
 
 fn short(rate: u32) -> String {
-    if rate.is_multiple_of(1000) { format!("{}k", rate / 1000) } else { rate.to_string() }
+    if rate.is_multiple_of(1000) {
+        format!("{}k", rate / 1000)
+    } else {
+        rate.to_string()
+    }
 }
 
 /// RMSE by method, scene and rate.
 fn table_1(rows: &[Row]) -> Section {
     let mut section = Section::new("RMSE (Table 1 of Dayal et al. 2005)");
     let (scenes, rates) = (scenes(rows), rates(rows));
-    let columns: Vec<(&str, u32)> =
-        scenes.iter().flat_map(|scene| rates.iter().map(|rate| (*scene, *rate))).collect();
-    let heads = columns.iter().map(|(scene, rate)| format!("{scene} {}", short(*rate)));
+    let columns: Vec<(&str, u32)> = scenes
+        .iter()
+        .flat_map(|scene| rates.iter().map(|rate| (*scene, *rate)))
+        .collect();
+    let heads = columns
+        .iter()
+        .map(|(scene, rate)| format!("{scene} {}", short(*rate)));
     let mut table = Table::new(["method".to_owned()].into_iter().chain(heads)).caption(
         "Mean over seeds; ± half the spread where there are several. 10x: 60 frames a second of \
          full resolution, whatever the column says.",
@@ -118,13 +129,19 @@ fn table_1(rows: &[Row]) -> Section {
     for method in methods(rows) {
         let cell = |(scene, rate): &(&str, u32)| match find(rows, scene, method, *rate) {
             Some(row) if row.seeds > 1 => {
-                format!("{:.2} ± {:.2}", row.rmse, 0.5 * (row.rmse_max - row.rmse_min))
+                format!(
+                    "{:.2} ± {:.2}",
+                    row.rmse,
+                    0.5 * (row.rmse_max - row.rmse_min)
+                )
             }
             Some(row) => format!("{:.2}", row.rmse),
             None => "–".to_owned(),
         };
-        let line: Vec<String> =
-            [method.name().to_owned()].into_iter().chain(columns.iter().map(cell)).collect();
+        let line: Vec<String> = [method.name().to_owned()]
+            .into_iter()
+            .chain(columns.iter().map(cell))
+            .collect();
         if method == EvalMethod::Adaptive {
             table.strong_row(line);
         } else {
@@ -162,8 +179,10 @@ fn claims(verdicts: &[Verdict]) -> Section {
             format!("{:.3}", v.ratio),
             format!("{:.2}", v.limit),
             holds.to_owned(),
-            v.flip_ratio.map_or_else(|| "–".to_owned(), |r| format!("{r:.3}")),
-            v.cvvdp_gain.map_or_else(|| "–".to_owned(), |r| format!("{r:+.2}")),
+            v.flip_ratio
+                .map_or_else(|| "–".to_owned(), |r| format!("{r:.3}")),
+            v.cvvdp_gain
+                .map_or_else(|| "–".to_owned(), |r| format!("{r:+.2}")),
             if v.metrics_agree { "yes" } else { "no" }.to_owned(),
         ]);
     }
@@ -175,8 +194,19 @@ fn claims(verdicts: &[Verdict]) -> Section {
 fn perception(rows: &[Row]) -> Section {
     let mut section = Section::new("All measures");
     let heads = [
-        "scene", "method", "rate", "RMSE", "p95", "worst", "PSNR, dB", "FLIP", "JOD", "bytes a sample",
-        "age, % of error", "host, s", "display, s",
+        "scene",
+        "method",
+        "rate",
+        "RMSE",
+        "p95",
+        "worst",
+        "PSNR, dB",
+        "FLIP",
+        "JOD",
+        "bytes a sample",
+        "age, % of error",
+        "host, s",
+        "display, s",
     ];
     let mut table = Table::new(heads).caption(
         "Seconds on one core for the whole animation; bytes with all packets counted; JOD by \
@@ -227,7 +257,10 @@ fn over_time(findings: &Findings<'_>, scene: &str, dir: &Path) -> Result<Section
                 plot = plot.line(method.name(), points);
             }
         }
-        section.plot(&plot, "Each refresh against the ideal image of its instant; first seed.")?;
+        section.plot(
+            &plot,
+            "Each refresh against the ideal image of its instant; first seed.",
+        )?;
         let name = format!("rmse-{}-{}.svg", super::store::slug(scene), short(rate));
         write_file(&dir.join(name), plot.svg()?.as_bytes())?;
     }
@@ -239,13 +272,20 @@ fn shares(rows: &[Row], scene: &str) -> Result<Section> {
     let mut section = Section::new(format!("{scene}: where the error is"));
     let rates = rates(rows);
     let rate = rates.get(rates.len() / 2).copied().unwrap_or(0);
-    let parts = PixelClass::ALL.iter().map(|class| class.name().to_owned()).collect();
+    let parts = PixelClass::ALL
+        .iter()
+        .map(|class| class.name().to_owned())
+        .collect();
     let title = format!("{scene}, {} samples/s", short(rate));
     let mut chart = BarChart::stacked(title, "mean squared error, levels squared", parts);
     for method in methods(rows) {
         if let Some(row) = find(rows, scene, method, rate) {
             let square = row.rmse * row.rmse;
-            let values = row.classes.iter().map(|share| share.error * square).collect();
+            let values = row
+                .classes
+                .iter()
+                .map(|share| share.error * square)
+                .collect();
             chart = chart.parts_bar(method.name(), values);
         }
     }
@@ -273,16 +313,26 @@ fn pictures(findings: &Findings<'_>, scene: &str) -> Result<Option<Section>> {
         let index = kept[kept.len() / 2];
         time = super::ideals::instant(index);
         let path = picture_path(&findings.cell_dir.join(job.file_stem()), index);
-        let size = (u32::from(job.settings.size.width), u32::from(job.settings.size.height));
+        let size = (
+            u32::from(job.settings.size.width),
+            u32::from(job.settings.size.height),
+        );
         let pixels = super::ideals::read_png(&path, size.0, size.1);
         let (Some(pixels), Some(ideal)) = (pixels, (findings.ideal)(scene, index)) else {
             continue;
         };
         let shown = Picture::new(size.0 as usize, size.1 as usize, pixels)?;
-        let rmse = cell.refreshes.get(index as usize).map_or(f64::NAN, |r| r.rmse);
+        let rmse = cell
+            .refreshes
+            .get(index as usize)
+            .map_or(f64::NAN, |r| r.rmse);
         let map = Picture::heat_map(&ideal, &shown, ERROR_FULL)?;
         if figures.is_empty() {
-            figures.push(Figure::new(ideal.clone(), "ideal", "Supersampled, of this instant."));
+            figures.push(Figure::new(
+                ideal.clone(),
+                "ideal",
+                "Supersampled, of this instant.",
+            ));
         }
         let caption = format!("RMSE {rmse:.2}. Point at it for the ideal.");
         figures.push(Figure::new(shown, method.name(), caption).on_hover(ideal));

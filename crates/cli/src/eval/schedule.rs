@@ -48,7 +48,8 @@ impl Workshop<'_> {
     /// The first in the order of the jobs; those after it may not have run.
     pub fn run(&self, jobs: &[Job], world: &World, references: &[Reference]) -> Result<Vec<Cell>> {
         let next = AtomicUsize::new(0);
-        let done: Vec<Mutex<Option<Result<Cell>>>> = jobs.iter().map(|_| Mutex::default()).collect();
+        let done: Vec<Mutex<Option<Result<Cell>>>> =
+            jobs.iter().map(|_| Mutex::default()).collect();
         std::thread::scope(|scope| -> Result<()> {
             for _ in 0..self.threads.clamp(1, jobs.len().max(1)) {
                 // One thread, so that no job waits inside another one's work.
@@ -85,7 +86,10 @@ impl Workshop<'_> {
         let stem = self.dir.join(job.file_stem());
         let cell = cell::run(job, world, references, &stem, self.build, &tick)
             .with_context(|| format!("{} on {}", job.method, job.scene))?;
-        write_whole(&cell_path(self.dir, job), &serde_json::to_vec_pretty(&cell)?)?;
+        write_whole(
+            &cell_path(self.dir, job),
+            &serde_json::to_vec_pretty(&cell)?,
+        )?;
         if self.progress.is_hidden() {
             eprintln!("{}", self.line(&cell));
         }
@@ -94,7 +98,10 @@ impl Workshop<'_> {
 
     /// A line for those who have no progress bar.
     fn line(&self, cell: &Cell) -> String {
-        let (done, all) = (self.progress.position(), self.progress.length().unwrap_or(0));
+        let (done, all) = (
+            self.progress.position(),
+            self.progress.length().unwrap_or(0),
+        );
         let spent = self.begin.elapsed().as_secs_f64();
         let left = spent * all.saturating_sub(done) as f64 / done.max(1) as f64;
         format!(

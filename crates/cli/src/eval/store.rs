@@ -64,8 +64,16 @@ impl fmt::Display for Key {
 /// A name that any file system takes, from a scene's name or path.
 #[must_use]
 pub fn slug(scene: &str) -> String {
-    let stem = Path::new(scene).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into());
-    let safe = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
+    let stem = Path::new(scene)
+        .file_stem()
+        .map_or_else(String::new, |s| s.to_string_lossy().into());
+    let safe = |c: char| {
+        if c.is_ascii_alphanumeric() || c == '-' {
+            c
+        } else {
+            '_'
+        }
+    };
     stem.chars().take(40).map(safe).collect()
 }
 
@@ -75,7 +83,12 @@ pub fn slug(scene: &str) -> String {
 /// Names the file.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     let unfinished = path.with_extension("part");
-    let failed = || format!("cannot write {}: make room or choose another --out", path.display());
+    let failed = || {
+        format!(
+            "cannot write {}: make room or choose another --out",
+            path.display()
+        )
+    };
     std::fs::write(&unfinished, bytes).with_context(failed)?;
     std::fs::rename(&unfinished, path).with_context(failed)
 }

@@ -101,7 +101,11 @@ fn row(group: &[&Cell]) -> Row {
         seconds_host: mean(|c| c.seconds_host),
         seconds_display: mean(|c| c.seconds_display),
         setting: first.setting.clone(),
-        recovery_ms: first.cuts.iter().filter_map(|cut| recovery(first, *cut)).collect(),
+        recovery_ms: first
+            .cuts
+            .iter()
+            .filter_map(|cut| recovery(first, *cut))
+            .collect(),
         stale: maybe(|c| c.stale),
         classes: first.classes.iter().enumerate().map(class).collect(),
     }
@@ -112,7 +116,10 @@ fn recovery(cell: &Cell, cut: f64) -> Option<f64> {
     let mut sorted: Vec<f64> = cell.refreshes.iter().map(|r| r.rmse).collect();
     sorted.sort_unstable_by(f64::total_cmp);
     let median = sorted.get(sorted.len() / 2)?;
-    let back = cell.refreshes.iter().find(|r| r.time >= cut && r.rmse <= 1.2 * median)?;
+    let back = cell
+        .refreshes
+        .iter()
+        .find(|r| r.time >= cut && r.rmse <= 1.2 * median)?;
     Some(1000.0 * (back.time - cut))
 }
 
@@ -140,7 +147,12 @@ pub const BOUNDS: [Bound; 6] = [
 ];
 
 const fn bound(rate: u32, against: EvalMethod, limit: f64, moonshot: bool) -> Bound {
-    Bound { rate, against, limit, moonshot }
+    Bound {
+        rate,
+        against,
+        limit,
+        moonshot,
+    }
 }
 
 /// A claim on a scene, and what was found.
@@ -181,7 +193,8 @@ pub fn verdicts(rows: &[Row]) -> Vec<Verdict> {
     for scene in scenes {
         let find = |method: EvalMethod, rate: u32| {
             let rate_fits = |row: &Row| method.is_tenfold() || row.rate == rate;
-            rows.iter().find(|r| r.scene == scene && r.method == method.name() && rate_fits(r))
+            rows.iter()
+                .find(|r| r.scene == scene && r.method == method.name() && rate_fits(r))
         };
         for bound in BOUNDS {
             let adaptive = find(EvalMethod::Adaptive, bound.rate);

@@ -25,17 +25,29 @@ impl Unmoved {
     /// Keeps motion from `inner`, which samples an image of `size` pixels.
     #[must_use]
     pub fn new(inner: Box<dyn Sampler>, size: UVec2) -> Self {
-        Self { inner, size, camera: None }
+        Self {
+            inner,
+            size,
+            camera: None,
+        }
     }
 }
 
 impl Sampler for Unmoved {
     fn epoch(&mut self, span: Span, eye: &dyn Eye, out: &mut Vec<Shot>) {
         let camera = *self.camera.get_or_insert_with(|| eye.camera(0.0));
-        let still = StillEye { eye, camera, size: self.size, found: Mutex::default() };
+        let still = StillEye {
+            eye,
+            camera,
+            size: self.size,
+            found: Mutex::default(),
+        };
         let before = out.len();
         self.inner.epoch(span, &still, out);
-        let found = still.found.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let found = still
+            .found
+            .into_inner()
+            .unwrap_or_else(PoisonError::into_inner);
         for shot in &mut out[before..] {
             if let Some((pixel, hit)) = found.get(&shot.time.to_bits()) {
                 (shot.pixel, shot.hit) = (*pixel, *hit);
@@ -89,14 +101,24 @@ impl Eye for StillEye<'_> {
         drop(found);
         let direction = self.camera.direction(pixel);
         if hit.object == SKY {
-            Hit { local: direction.normalize(), ..hit }
+            Hit {
+                local: direction.normalize(),
+                ..hit
+            }
         } else {
-            Hit { object: 0, local: self.camera.eye + direction * hit.depth, ..hit }
+            Hit {
+                object: 0,
+                local: self.camera.eye + direction * hit.depth,
+                ..hit
+            }
         }
     }
 
     fn look_along(&self, time: f64, direction: Vec3, seed: u32) -> Hit {
-        let last = Vec2::new((self.size.x as f32).next_down(), (self.size.y as f32).next_down());
+        let last = Vec2::new(
+            (self.size.x as f32).next_down(),
+            (self.size.y as f32).next_down(),
+        );
         let pixel = match self.camera.project_direction(direction) {
             Some((pixel, _)) => pixel.clamp(Vec2::ZERO, last),
             None => self.camera.centre,
