@@ -243,8 +243,9 @@ fn parse_rate(text: &str) -> Result<u32, String> {
         Some(digits) => (digits, 1e6),
         None => (lower.as_str(), 1.0),
     };
-    let value: f64 =
-        digits.parse().map_err(|_| format!("`{text}` is not a number like 400k or 1.5m"))?;
+    let value: f64 = digits
+        .parse()
+        .map_err(|_| format!("`{text}` is not a number like 400k or 1.5m"))?;
     let value = (value * factor).round();
     if (1.0..=1e8).contains(&value) {
         Ok(value as u32)
@@ -254,11 +255,15 @@ fn parse_rate(text: &str) -> Result<u32, String> {
 }
 
 fn parse_seconds(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| format!("`{text}` is not a number of seconds"))?;
+    let value: f64 = text
+        .parse()
+        .map_err(|_| format!("`{text}` is not a number of seconds"))?;
     if value > 0.0 && value <= 3600.0 {
         Ok(value)
     } else {
-        Err(format!("`{text}` is out of range: above 0, at most 3600 seconds"))
+        Err(format!(
+            "`{text}` is out of range: above 0, at most 3600 seconds"
+        ))
     }
 }
 
@@ -272,9 +277,14 @@ fn parse_size(text: &str) -> Result<Size, String> {
         .ok_or_else(|| format!("`{text}` is not a size like 256x256"))?;
     let fits = |side: u32| side >= 1 && side <= u32::from(limit);
     if fits(width) && fits(height) {
-        Ok(Size { width: width as u16, height: height as u16 })
+        Ok(Size {
+            width: width as u16,
+            height: height as u16,
+        })
     } else {
-        Err(format!("`{text}` is out of range: 1x1 to {limit}x{limit} pixels"))
+        Err(format!(
+            "`{text}` is out of range: 1x1 to {limit}x{limit} pixels"
+        ))
     }
 }
 
@@ -294,8 +304,22 @@ mod tests {
 
     #[test]
     fn sizes() {
-        assert_eq!(parse_size("1x4080"), Ok(Size { width: 1, height: 4080 }));
-        for bad in ["0x0", "256", "256x", "4081x1", "-1x5", "99999999999x1", "axb"] {
+        assert_eq!(
+            parse_size("1x4080"),
+            Ok(Size {
+                width: 1,
+                height: 4080
+            })
+        );
+        for bad in [
+            "0x0",
+            "256",
+            "256x",
+            "4081x1",
+            "-1x5",
+            "99999999999x1",
+            "axb",
+        ] {
             assert!(parse_size(bad).is_err(), "{bad}");
         }
     }

@@ -34,13 +34,18 @@ impl Ideals {
     /// None computed yet.
     #[must_use]
     pub fn new(world: World) -> Self {
-        Self { world, images: BTreeMap::new() }
+        Self {
+            world,
+            images: BTreeMap::new(),
+        }
     }
 
     /// The ideal image of refresh `index` at `time` seconds.
     pub fn at(&mut self, index: u32, time: f64) -> &[[u8; 3]] {
         let world = &mut self.world;
-        self.images.entry(index).or_insert_with(|| ideal(world, time, IDEAL_GRID))
+        self.images
+            .entry(index)
+            .or_insert_with(|| ideal(world, time, IDEAL_GRID))
     }
 }
 
@@ -146,7 +151,10 @@ pub fn measure(
     let world = ideals.world.clone();
     with_panel(&order, |panel, display| {
         let mut host = host(source, method, world);
-        let options = SequenceOptions { flip: true, ..SequenceOptions::default() };
+        let options = SequenceOptions {
+            flip: true,
+            ..SequenceOptions::default()
+        };
         let mut sequence = Sequence::new(width.into(), height.into(), options)?;
         let mut outcome = Outcome {
             method,
@@ -196,7 +204,11 @@ pub fn measure(
         bytes.clear();
         host.end(&mut bytes)?;
         panel.push(&mut &bytes[..])?;
-        outcome.errors = sequence.refreshes().iter().map(|r| (r.time, r.rmse)).collect();
+        outcome.errors = sequence
+            .refreshes()
+            .iter()
+            .map(|r| (r.time, r.rmse))
+            .collect();
         outcome.totals = sequence.finish()?;
         outcome.ledger = *host.ledger();
         outcome.samples = outcome.ledger.samples;

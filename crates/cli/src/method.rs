@@ -38,9 +38,13 @@ impl Method {
     #[must_use]
     pub fn sampler(self, size: UVec2, seed: u64) -> Box<dyn Sampler> {
         match self {
-            Self::Adaptive => {
-                Box::new(Adaptive::new(size, adaptive::Config { seed, ..Default::default() }))
-            }
+            Self::Adaptive => Box::new(Adaptive::new(
+                size,
+                adaptive::Config {
+                    seed,
+                    ..Default::default()
+                },
+            )),
             Self::Frameless => Box::new(Traditional::new(size, Place::Centre, seed)),
             Self::Uniform | Self::UniformSameDisplay => Box::new(Uniform::new(size, seed)),
         }
@@ -53,9 +57,10 @@ impl Method {
             Self::Adaptive => Config::ADAPTIVE,
             Self::Frameless => Config::NEWEST,
             Self::Uniform => Config::UNIFORM,
-            Self::UniformSameDisplay => {
-                Config { lifetime: Lifetime::Constant(-256), ..Config::ADAPTIVE }
-            }
+            Self::UniformSameDisplay => Config {
+                lifetime: Lifetime::Constant(-256),
+                ..Config::ADAPTIVE
+            },
         }
     }
 
@@ -71,6 +76,10 @@ impl Method {
     /// What its tiles carry.
     #[must_use]
     pub fn tile_fields(self) -> TileFields {
-        TileFields { gradients: false, lifetime: self == Self::Adaptive, density: false }
+        TileFields {
+            gradients: false,
+            lifetime: self == Self::Adaptive,
+            density: false,
+        }
     }
 }

@@ -29,8 +29,14 @@ pub fn run_page(
     );
     report
         .fact("rate", format!("{} samples/s", args.source.rate))
-        .fact("panel", format!("{}x{}", args.source.size.width, args.source.size.height))
-        .fact("simulated", format!("{} s, seed {}", args.source.seconds, args.source.seed))
+        .fact(
+            "panel",
+            format!("{}x{}", args.source.size.width, args.source.size.height),
+        )
+        .fact(
+            "simulated",
+            format!("{} s, seed {}", args.source.seconds, args.source.seed),
+        )
         .fact("display", &main.display)
         .fact("stream", format!("{:.2} bytes a sample", per_sample(main)))
         .fact("effects", effects.join(", "));
@@ -44,7 +50,15 @@ pub fn run_page(
 
 fn numbers(outcomes: &[Outcome]) -> Result<Section> {
     let mut section = Section::new("Against the ideal");
-    let heads = ["method", "RMSE", "PSNR, dB", "FLIP", "worst RMSE", "samples", "bytes a sample"];
+    let heads = [
+        "method",
+        "RMSE",
+        "PSNR, dB",
+        "FLIP",
+        "worst RMSE",
+        "samples",
+        "bytes a sample",
+    ];
     let mut table = Table::new(heads);
     for outcome in outcomes {
         let totals = &outcome.totals;
@@ -59,11 +73,18 @@ fn numbers(outcomes: &[Outcome]) -> Result<Section> {
         ]);
     }
     section.table(&table);
-    let mut plot = Plot::new("Error over time", Axis::new("time, s", Scale::Linear), rmse_axis());
+    let mut plot = Plot::new(
+        "Error over time",
+        Axis::new("time, s", Scale::Linear),
+        rmse_axis(),
+    );
     for outcome in outcomes {
         plot = plot.line(outcome.method.name(), outcome.errors.clone());
     }
-    section.plot(&plot, "Both methods take the same number of samples a second.")?;
+    section.plot(
+        &plot,
+        "Both methods take the same number of samples a second.",
+    )?;
     Ok(section)
 }
 
@@ -71,12 +92,20 @@ fn pictures(outcomes: &[Outcome], k: usize, ideals: &mut Ideals) -> Result<Secti
     let frame = &outcomes[0].keyframes[k];
     let ideal = ideal_picture(frame, ideals)?;
     let mut section = Section::new(format!("At {:.3} s", frame.time));
-    let mut figures = vec![Figure::new(ideal.clone(), "ideal", "Supersampled, of this instant.")];
+    let mut figures = vec![Figure::new(
+        ideal.clone(),
+        "ideal",
+        "Supersampled, of this instant.",
+    )];
     for outcome in outcomes {
         let shown = &outcome.keyframes[k].shown;
         figures.push(
-            Figure::new(shown.clone(), outcome.method.name(), "Point at it for the ideal.")
-                .on_hover(ideal.clone()),
+            Figure::new(
+                shown.clone(),
+                outcome.method.name(),
+                "Point at it for the ideal.",
+            )
+            .on_hover(ideal.clone()),
         );
     }
     if !frame.tiles.is_empty() {
@@ -92,12 +121,20 @@ fn pictures(outcomes: &[Outcome], k: usize, ideals: &mut Ideals) -> Result<Secti
             })
             .collect();
         net.draw_net(&rects, [255, 220, 60], 0.7);
-        figures.push(Figure::new(net, "tiling", "The k-d cut whose side data the display got."));
+        figures.push(Figure::new(
+            net,
+            "tiling",
+            "The k-d cut whose side data the display got.",
+        ));
     }
     for outcome in outcomes {
         let map = Picture::heat_map(&ideal, &outcome.keyframes[k].shown, ERROR_FULL)?;
         let caption = format!("Black: none; brightest: {ERROR_FULL} levels of 255 and more.");
-        figures.push(Figure::new(map, format!("error of {}", outcome.method.name()), caption));
+        figures.push(Figure::new(
+            map,
+            format!("error of {}", outcome.method.name()),
+            caption,
+        ));
     }
     section.pictures(&figures)?;
     Ok(section)

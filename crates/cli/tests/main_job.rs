@@ -13,11 +13,21 @@ fn run(words: &[&str]) -> Value {
 /// At the same rate, the error of `adaptive` is at most 0.6 of traditional frameless rendering,
 /// and a sample costs at most 10 bytes, all packets counted.
 fn check(scene: &str, report: &Value) {
-    let rmse = |method: &str| report["methods"][method]["rmse"].as_f64().expect("a number");
+    let rmse = |method: &str| {
+        report["methods"][method]["rmse"]
+            .as_f64()
+            .expect("a number")
+    };
     let (adaptive, frameless) = (rmse("adaptive"), rmse("frameless"));
-    assert!(adaptive <= 0.6 * frameless, "{scene}: {adaptive} against {frameless}");
+    assert!(
+        adaptive <= 0.6 * frameless,
+        "{scene}: {adaptive} against {frameless}"
+    );
     let bytes = report["bytes_per_sample"].as_f64().expect("a number");
-    assert!((3.0..=10.0).contains(&bytes), "{scene}: {bytes} bytes a sample");
+    assert!(
+        (3.0..=10.0).contains(&bytes),
+        "{scene}: {bytes} bytes a sample"
+    );
 }
 
 #[test]
@@ -32,13 +42,18 @@ fn built_in_scenes() {
 
 #[test]
 fn real_files() {
-    let Some(assets) = assets("runs on kaykit-room and fox") else { return };
+    let Some(assets) = assets("runs on kaykit-room and fox") else {
+        return;
+    };
     for file in ["kaykit-room/kaykit_room.glb", "fox/Fox.glb"] {
         let path = assets.join(file);
         let path = path.to_str().expect("a Unicode path");
         let report = run(&[path, "--seconds", "0.5", "--every", "15"]);
         check(file, &report);
         let effects = report["effects"].as_array().expect("names");
-        assert!(effects.iter().any(|name| name == "skinning"), "{file}: {effects:?}");
+        assert!(
+            effects.iter().any(|name| name == "skinning"),
+            "{file}: {effects:?}"
+        );
     }
 }

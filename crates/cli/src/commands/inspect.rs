@@ -42,14 +42,25 @@ pub fn inspect(args: &InspectArgs) -> Result<()> {
         "{} packets lost, {} frames damaged, {}, {}",
         summary.lost,
         summary.damaged,
-        if summary.end.is_some() { "ends properly" } else { "cut off before its end" },
-        if summary.indexed { "indexed" } else { "no index" },
+        if summary.end.is_some() {
+            "ends properly"
+        } else {
+            "cut off before its end"
+        },
+        if summary.indexed {
+            "indexed"
+        } else {
+            "no index"
+        },
     );
     for kind in Kind::ALL {
         let packets = summary.packets_of(kind);
         if packets > 0 {
             let bytes = summary.packet_bytes[kind.index()];
-            println!("{:>10}  {packets:>8} packets  {bytes:>10} bytes", kind.name());
+            println!(
+                "{:>10}  {packets:>8} packets  {bytes:>10} bytes",
+                kind.name()
+            );
         }
     }
     Ok(())

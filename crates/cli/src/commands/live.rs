@@ -65,7 +65,11 @@ pub fn show(args: &RunArgs) -> Result<()> {
     open_world(&args.source)?;
     let switches = Arc::new(Switches::default());
     let (sender, frames) = sync_channel(2);
-    let mut live = Live { frames, switches: Arc::clone(&switches), status: String::new() };
+    let mut live = Live {
+        frames,
+        switches: Arc::clone(&switches),
+        status: String::new(),
+    };
     let options = Options {
         title: format!("unframed: {}", args.source.scene),
         size: [args.source.size.width, args.source.size.height],
@@ -79,7 +83,10 @@ pub fn show(args: &RunArgs) -> Result<()> {
     let shown = window::show(&options, &mut live);
     // The worker stops when nobody takes its pictures.
     drop(live);
-    let worked = worker.join().ok().context("the host's thread stopped unexpectedly")?;
+    let worked = worker
+        .join()
+        .ok()
+        .context("the host's thread stopped unexpectedly")?;
     let shown = shown?;
     worked?;
     println!(
@@ -93,7 +100,11 @@ pub fn show(args: &RunArgs) -> Result<()> {
 fn work(args: &RunArgs, switches: &Switches, out: &SyncSender<(Frame, String)>) -> Result<()> {
     loop {
         let frameless = switches.frameless.load(Ordering::Relaxed);
-        let method = if frameless { Method::Frameless } else { args.source.method };
+        let method = if frameless {
+            Method::Frameless
+        } else {
+            args.source.method
+        };
         let (width, height) = (args.source.size.width, args.source.size.height);
         let order = Order {
             kind: args.panel.display,
@@ -138,8 +149,7 @@ fn draw_tiles(frame: &mut Frame, nodes: &[TileNode]) {
     let width = frame.width as usize;
     for node in nodes {
         let TileNode::Leaf(tile) = node else { continue };
-        let [x, y, w, h] =
-            [tile.rect.x, tile.rect.y, tile.rect.w, tile.rect.h].map(usize::from);
+        let [x, y, w, h] = [tile.rect.x, tile.rect.y, tile.rect.w, tile.rect.h].map(usize::from);
         let across = (x..x + w).map(|x| y * width + x);
         let down = (y..y + h).map(|y| y * width + x);
         for pixel in across.chain(down) {

@@ -38,5 +38,7 @@ pub fn read_stream(path: &Path) -> Result<Vec<u8>> {
 pub fn bar(len: u64, what: &str) -> ProgressBar {
     let style = ProgressStyle::with_template("{msg:24} {wide_bar} {pos}/{len} {eta}")
         .unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(len).with_style(style).with_message(what.to_owned())
+    ProgressBar::new(len)
+        .with_style(style)
+        .with_message(what.to_owned())
 }

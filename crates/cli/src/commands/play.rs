@@ -36,7 +36,11 @@ pub fn play(args: &PlayArgs) -> Result<()> {
         make_out(dir)?;
     }
     // A stream without world data can only be shown as it falls.
-    let method = if hello.layout == Layout::Screen { Method::Frameless } else { args.method };
+    let method = if hello.layout == Layout::Screen {
+        Method::Frameless
+    } else {
+        args.method
+    };
     let order = Order {
         kind: args.panel.display,
         config: method.display(),
@@ -62,7 +66,10 @@ pub fn play(args: &PlayArgs) -> Result<()> {
         }
         let link = panel.link();
         if link.lost + link.damaged > 0 {
-            eprintln!("{file}: {} packets lost, {} frames damaged", link.lost, link.damaged);
+            eprintln!(
+                "{file}: {} packets lost, {} frames damaged",
+                link.lost, link.damaged
+            );
         }
         if args.json {
             let report = json!({

@@ -36,10 +36,22 @@ pub fn run(args: &RunArgs) -> Result<()> {
     let mut outcomes = Vec::new();
     for method in methods {
         let source = &args.source;
-        outcomes.push(measure(source, &args.panel, method, args.every, &keep, &mut ideals, &progress)?);
+        outcomes.push(measure(
+            source,
+            &args.panel,
+            method,
+            args.every,
+            &keep,
+            &mut ideals,
+            &progress,
+        )?);
     }
     progress.finish_and_clear();
-    let called: Vec<&str> = effects.iter().filter(|e| e.called_for).map(|e| e.name).collect();
+    let called: Vec<&str> = effects
+        .iter()
+        .filter(|e| e.called_for)
+        .map(|e| e.name)
+        .collect();
     let report = summary(args, &outcomes, &called);
     if let Some(dir) = &args.out {
         let main = &outcomes[0];
@@ -65,10 +77,13 @@ pub fn run(args: &RunArgs) -> Result<()> {
 
 /// Which refreshes' pictures are kept: four, evenly, all measured ones.
 fn kept(count: u32, every: u32) -> Vec<u32> {
-    let measured: Vec<u32> =
-        (0..count).filter(|i| (i + 1).is_multiple_of(every) || i + 1 == count).collect();
-    let mut keep: Vec<u32> =
-        (1..=4).filter_map(|k| measured.get((measured.len() * k / 4).max(1) - 1)).copied().collect();
+    let measured: Vec<u32> = (0..count)
+        .filter(|i| (i + 1).is_multiple_of(every) || i + 1 == count)
+        .collect();
+    let mut keep: Vec<u32> = (1..=4)
+        .filter_map(|k| measured.get((measured.len() * k / 4).max(1) - 1))
+        .copied()
+        .collect();
     keep.dedup();
     keep
 }
@@ -179,7 +194,11 @@ fn write_pictures(dir: &std::path::Path, outcomes: &[Outcome], ideals: &mut Idea
 /// None: sizes agree.
 pub fn ideal_picture(frame: &Keyframe, ideals: &mut Ideals) -> Result<Picture> {
     let pixels = ideals.at(frame.index, frame.time).to_vec();
-    Ok(Picture::new(frame.shown.width(), frame.shown.height(), pixels)?)
+    Ok(Picture::new(
+        frame.shown.width(),
+        frame.shown.height(),
+        pixels,
+    )?)
 }
 
 fn tell(args: &RunArgs, outcomes: &[Outcome]) {

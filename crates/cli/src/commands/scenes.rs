@@ -25,8 +25,7 @@ pub fn scenes(args: &ScenesArgs) -> Result<()> {
     let scene = &opened.scene;
     if let Some(path) = &args.export {
         let bytes = gltf::export(scene)?;
-        std::fs::write(path, &bytes)
-            .with_context(|| format!("cannot write {}", path.display()))?;
+        std::fs::write(path, &bytes).with_context(|| format!("cannot write {}", path.display()))?;
         eprintln!("{}: {} bytes", path.display(), bytes.len());
     }
     if args.json {
@@ -55,11 +54,21 @@ fn list(json: bool) -> Result<()> {
 }
 
 fn triangles(scene: &Scene) -> usize {
-    scene.meshes.iter().flat_map(|mesh| &mesh.primitives).map(|part| part.indices.len()).sum()
+    scene
+        .meshes
+        .iter()
+        .flat_map(|mesh| &mesh.primitives)
+        .map(|part| part.indices.len())
+        .sum()
 }
 
 fn tell(scene: &Scene) {
-    println!("{}: {} triangles, loops every {} s", scene.name, triangles(scene), scene.duration);
+    println!(
+        "{}: {} triangles, loops every {} s",
+        scene.name,
+        triangles(scene),
+        scene.duration
+    );
     for effect in calls::effects(scene) {
         let mark = if effect.called_for { "yes" } else { " - " };
         println!("  {mark} {:18} {}", effect.name, effect.because);

@@ -13,7 +13,10 @@ pub fn unframed<S: AsRef<OsStr>>(words: impl IntoIterator<Item = S>) -> Output {
 }
 
 /// Runs `unframed` and demands success.
-#[expect(dead_code, reason = "each test file is a crate of its own and uses a part of this")]
+#[expect(
+    dead_code,
+    reason = "each test file is a crate of its own and uses a part of this"
+)]
 pub fn succeed<S: AsRef<OsStr>>(words: impl IntoIterator<Item = S>) -> String {
     let output = unframed(words);
     let errors = String::from_utf8_lossy(&output.stderr);
@@ -23,14 +26,23 @@ pub fn succeed<S: AsRef<OsStr>>(words: impl IntoIterator<Item = S>) -> String {
 
 /// The folder of real scenes: `UNFRAMED_ASSETS`, else beside the project. `None` (never in CI)
 /// where there is none, after saying what is left out.
-#[expect(dead_code, reason = "each test file is a crate of its own and uses a part of this")]
+#[expect(
+    dead_code,
+    reason = "each test file is a crate of its own and uses a part of this"
+)]
 pub fn assets(left_out: &str) -> Option<PathBuf> {
-    let beside = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/assets"));
+    let beside = PathBuf::from(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../../shared/assets"
+    ));
     let folder = std::env::var_os("UNFRAMED_ASSETS").map_or(beside, PathBuf::from);
     if folder.is_dir() {
         return Some(folder);
     }
-    assert!(std::env::var_os("CI").is_none(), "no folder of real scenes in CI");
+    assert!(
+        std::env::var_os("CI").is_none(),
+        "no folder of real scenes in CI"
+    );
     eprintln!("left out: {left_out} (no folder of real scenes; set UNFRAMED_ASSETS)");
     None
 }
