@@ -134,7 +134,9 @@ fn run(
     let mut uniform = None;
     for knob in knobs.split(',').filter(|k| !k.is_empty()) {
         let (key, value) = knob.split_once('=').unwrap_or((knob, "1"));
-        let number: f32 = value.parse().unwrap_or_else(|_| panic!("{knob}: not a number"));
+        let number: f32 = value
+            .parse()
+            .unwrap_or_else(|_| panic!("{knob}: not a number"));
         if key == "uniform" {
             uniform = Some(number);
         } else {
@@ -185,8 +187,16 @@ fn run(
         each.push(rms(shown, picture));
         save(*refresh, shown);
     }
-    let note = if uniform.is_some() { String::new() } else { watched.with(|s| note(s)) };
-    Outcome { each, bytes_per_sample: bytes as f64 / samples as f64, note }
+    let note = if uniform.is_some() {
+        String::new()
+    } else {
+        watched.with(|s| note(s))
+    };
+    Outcome {
+        each,
+        bytes_per_sample: bytes as f64 / samples as f64,
+        note,
+    }
 }
 
 fn note(sampler: &Adaptive) -> String {
@@ -204,7 +214,12 @@ fn note(sampler: &Adaptive) -> String {
 
 fn rms(a: &[[u8; 3]], b: &[[u8; 3]]) -> f64 {
     let square = |(a, b): (&u8, &u8)| f64::from(a.abs_diff(*b)).powi(2);
-    let sum: f64 = a.as_flattened().iter().zip(b.as_flattened()).map(square).sum();
+    let sum: f64 = a
+        .as_flattened()
+        .iter()
+        .zip(b.as_flattened())
+        .map(square)
+        .sum();
     (sum / (3 * a.len()) as f64).sqrt()
 }
 
@@ -213,7 +228,9 @@ fn write_png(path: &Path, picture: &[[u8; 3]]) {
     let mut encoder = png::Encoder::new(std::io::BufWriter::new(file), SIZE.x, SIZE.y);
     encoder.set_color(png::ColorType::Rgb);
     let mut writer = encoder.write_header().expect("a header");
-    writer.write_image_data(picture.as_flattened()).expect("an image");
+    writer
+        .write_image_data(picture.as_flattened())
+        .expect("an image");
 }
 
 fn main() {
@@ -240,12 +257,18 @@ fn main() {
             let name = variant.split(':').next().unwrap_or("x");
             let outcome = run(&world, &truth, rate as u32, variant, |refresh, picture| {
                 if let Some(folder) = &folder {
-                    write_png(&folder.join(format!("{scene}-{name}-{refresh}.png")), picture);
+                    write_png(
+                        &folder.join(format!("{scene}-{name}-{refresh}.png")),
+                        picture,
+                    );
                 }
             });
             if let Some(folder) = &folder {
                 for (refresh, picture) in &truth {
-                    write_png(&folder.join(format!("{scene}-ideal-{refresh}.png")), picture);
+                    write_png(
+                        &folder.join(format!("{scene}-ideal-{refresh}.png")),
+                        picture,
+                    );
                 }
             }
             let each = &outcome.each;

@@ -139,11 +139,13 @@ mod tests {
     #[test]
     fn quiet_costs_one_tile_and_a_spot_a_path() {
         let mut codes = vec![[LogCode(128), LogCode(7)]; 1024];
-        let map = |codes| Map {
-            cell: 8,
-            columns: 32,
-            codes,
-        };
+        fn map(codes: &[[LogCode; 2]]) -> Map<'_> {
+            Map {
+                cell: 8,
+                columns: 32,
+                codes,
+            }
+        }
         let rect = Rect {
             x: 0,
             y: 0,

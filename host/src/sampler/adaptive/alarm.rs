@@ -51,7 +51,11 @@ mod tests {
         let mut random = Random::new(7);
         for i in 0..100_000 {
             let corner = random.unit() < bias;
-            let weight = if corner { share / bias } else { (1.0 - share) / (1.0 - bias) };
+            let weight = if corner {
+                share / bias
+            } else {
+                (1.0 - share) / (1.0 - bias)
+            };
             assert_eq!(alarm.verified(f64::from(i), weight, corner), None);
         }
     }
@@ -68,7 +72,7 @@ mod tests {
         for i in 0..200 {
             let failed = random.unit() < 0.9;
             raised = raised.or(alarm
-                .verified(f64::from(100_000 + i), failed)
+                .verified(f64::from(100_000 + i), 1.0, failed)
                 .map(|t| (i, t)));
         }
         let (after, since) = raised.expect("a cut is noticed");

@@ -195,7 +195,8 @@ impl Cells {
                 continue;
             }
             self.pool[kept] = cell;
-            if cell.pixel == NONE || self.insert(kept as u32) {
+            if cell.pixel == NONE || self.insert(kept as u32, seen.map_or(Vec2::ZERO, |(at, _)| at))
+            {
                 kept += 1;
             }
         }
@@ -213,7 +214,7 @@ impl Cells {
 
     /// Gives a cell its place in the planes. False if it is not needed any more: merged into
     /// another, or hidden and not to be remembered.
-    fn insert(&mut self, index: u32) -> bool {
+    fn insert(&mut self, index: u32, at: Vec2) -> bool {
         let cell = self.pool[index as usize];
         let pixel = cell.pixel as usize;
         let front = self.front[pixel];
@@ -223,6 +224,12 @@ impl Cells {
             return true;
         }
         if same_depth(cell.depth, self.depth[pixel]) {
+            if let Some(free) = self.free_beside(pixel, at) {
+                self.pool[index as usize].pixel = free as u32;
+                self.front[free] = index;
+                self.depth[free] = cell.depth;
+                return true;
+            }
             let other = &mut self.pool[front as usize];
             other.merge(&cell);
             self.depth[pixel] = other.depth;
@@ -237,6 +244,34 @@ impl Cells {
             return true;
         }
         self.hide_behind(index)
+    }
+
+    /// The pixel next to a taken one, on the side of the place `at`, if it is free. Two cells of a
+    /// surface fall into one pixel and none into the next wherever the pixel grid moves over it:
+    /// if they merged each time, a moving view would eat its memory up within a few epochs.
+    fn free_beside(&self, pixel: usize, at: Vec2) -> Option<usize> {
+        let (w, h) = (self.size.x as usize, self.size.y as usize);
+        let (x, y) = (pixel % w, pixel / w);
+        let off = at - Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
+        let step = |at: usize, off: f32, size: usize| {
+            let to = if off < 0.0 {
+                at.checked_sub(1)?
+            } else {
+                at + 1
+            };
+            (to < size).then_some(to)
+        };
+        let beside = step(x, off.x, w).map(|x| y * w + x);
+        let above = step(y, off.y, h).map(|y| y * w + x);
+        let nearest = if off.x.abs() >= off.y.abs() {
+            [beside, above]
+        } else {
+            [above, beside]
+        };
+        nearest
+            .into_iter()
+            .flatten()
+            .find(|&p| self.front[p] == NONE)
     }
 
     /// Puts a cell behind the front cell of its pixel. False if it is not needed any more.

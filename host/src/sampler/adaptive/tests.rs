@@ -92,7 +92,13 @@ fn verification_measures_a_known_gradient() {
         checker: 0.0,
         ..Stage::new(LARGE)
     };
-    let mut sampler = Adaptive::new(LARGE, Config::default());
+    let mut sampler = Adaptive::new(
+        LARGE,
+        Config {
+            balanced: false,
+            ..Config::default()
+        },
+    );
     work(&mut sampler, &stage, 0.0, 1.0);
     let eye = stage.camera(1.0).eye;
     let (grid, tau) = sampler.lifetimes();
@@ -222,4 +228,56 @@ fn projection_agrees_with_f64() {
         assert!(error < 1e-4 * x.hypot(y).max(1.0), "{error} px at {x}, {y}");
         assert!((f64::from(depth) - z).abs() < 1e-5);
     }
+}
+
+#[test]
+fn planes_agree_with_the_pool() {
+    let stage = Stage {
+        camera_speed: 2.0,
+        disc_speed: -3.0,
+        ..Stage::new(SIZE)
+    };
+    for second_layer in [true, false] {
+        let mut sampler = Adaptive::new(
+            SIZE,
+            Config {
+                second_layer,
+                ..Config::default()
+            },
+        );
+        let mut worst = 0;
+        for epoch in 0..40 {
+            work(&mut sampler, &stage, f64::from(epoch) / 60.0, 1.0 / 60.0);
+            let cells = &sampler.cells;
+            for (pixel, &front) in cells.front.iter().enumerate() {
+                let Some(cell) = cells.pool.get(front as usize) else {
+                    assert_eq!(front, NONE);
+                    continue;
+                };
+                assert_eq!(cell.pixel as usize, pixel);
+                assert!(cell.weight > 0.0, "a dead cell in front");
+            }
+            worst = worst.max(cells.pool.len());
+        }
+        assert!(worst < 3 * cells_bound(), "{worst} cells");
+        // The tiles sum up what stands in front.
+        sampler.warp(40.0 / 60.0, &stage);
+        let before: f32 = sampler.tiles.iter().map(|t| t.samples).sum();
+        let direct: f32 = sampler
+            .cells
+            .front
+            .iter()
+            .filter_map(|&f| sampler.cells.pool.get(f as usize))
+            .map(|cell| cell.weight)
+            .sum();
+        assert!(
+            (before / direct - 1.0).abs() < 1e-4,
+            "{before} summed, {direct} there"
+        );
+    }
+}
+
+/// Pixels of the image.
+fn cells_bound() -> usize {
+    SIZE.element_product() as usize
 }
