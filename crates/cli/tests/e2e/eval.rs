@@ -1,10 +1,8 @@
 //! `unframed eval` as a user runs it: names that scripts rely on, and that nothing is done twice.
 
-mod common;
-
 use std::path::Path;
 
-use common::{succeed, unframed};
+use crate::common::{succeed, unframed};
 use serde_json::Value;
 
 fn eval(out: &Path, more: &[&str]) -> Value {

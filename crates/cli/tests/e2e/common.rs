@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::process::{Command, Output};
 
 /// Runs `unframed` with these words.
-pub fn unframed<S: AsRef<OsStr>>(words: impl IntoIterator<Item = S>) -> Output {
+pub(crate) fn unframed<S: AsRef<OsStr>>(words: impl IntoIterator<Item = S>) -> Output {
     Command::new(env!("CARGO_BIN_EXE_unframed"))
         .args(words)
         .output()
@@ -13,11 +13,7 @@ pub fn unframed<S: AsRef<OsStr>>(words: impl IntoIterator<Item = S>) -> Output {
 }
 
 /// Runs `unframed` and demands success.
-#[expect(
-    dead_code,
-    reason = "each test file is a crate of its own and uses a part of this"
-)]
-pub fn succeed<S: AsRef<OsStr>>(words: impl IntoIterator<Item = S>) -> String {
+pub(crate) fn succeed<S: AsRef<OsStr>>(words: impl IntoIterator<Item = S>) -> String {
     let output = unframed(words);
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{errors}");
@@ -26,11 +22,7 @@ pub fn succeed<S: AsRef<OsStr>>(words: impl IntoIterator<Item = S>) -> String {
 
 /// The folder of real scenes: `UNFRAMED_ASSETS`, else beside the project. `None` (never in CI)
 /// where there is none, after saying what is left out.
-#[expect(
-    dead_code,
-    reason = "each test file is a crate of its own and uses a part of this"
-)]
-pub fn assets(left_out: &str) -> Option<PathBuf> {
+pub(crate) fn assets(left_out: &str) -> Option<PathBuf> {
     let beside = PathBuf::from(concat!(
         env!("CARGO_MANIFEST_DIR"),
         "/../../../shared/assets"

@@ -1,8 +1,6 @@
 //! Bad input: a clear message, exit status not 0, never a panic.
 
-mod common;
-
-use common::unframed;
+use crate::common::unframed;
 use std::fs;
 
 /// Demands failure without a panic, and that the message names `needle`.
@@ -27,7 +25,7 @@ fn arguments() {
     fails(&["run", "--rate", "many"], "400k");
     fails(&["run", "--size", "0x0"], "1x1");
     fails(&["run", "--size", "100000x100000"], "4080");
-    fails(&["run", "--seconds", "-1"], "seconds");
+    fails(&["run", "--seconds=-1"], "seconds");
     fails(&["run", "--every", "0"], "every");
     fails(&["run", "no-such-scene"], "no-such-scene");
     fails(&["run", "toycar", "--clip", "walk"], "clips");

@@ -1,8 +1,6 @@
 //! Streams as files: the same bytes every time, the same pictures from them.
 
-mod common;
-
-use common::{succeed, unframed};
+use crate::common::{succeed, unframed};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -94,10 +92,8 @@ fn inspecting_counts_what_recording_sent() {
     let dir = tempfile::tempdir().expect("a directory");
     let path = dir.path().join("a.ufs");
     let path = path.to_str().expect("a Unicode path");
-    let words = ["record"]
-        .iter()
-        .chain(&SCENE)
-        .chain(&["--json", "-o", path]);
+    let tail = ["--json", "-o", path];
+    let words = ["record"].iter().chain(&SCENE).chain(&tail);
     let sent: Value = serde_json::from_str(&succeed(words)).expect("JSON");
     let found: Value = serde_json::from_str(&succeed(["inspect", path, "--json"])).expect("JSON");
     assert_eq!(found["samples"], sent["samples"]);

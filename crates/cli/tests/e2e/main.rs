@@ -1,0 +1,7 @@
+//! The command as a user types it.
+
+mod bad_input;
+mod common;
+mod eval;
+mod main_job;
+mod streams;
