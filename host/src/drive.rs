@@ -62,7 +62,10 @@ pub struct Host {
 
 impl std::fmt::Debug for Host {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Host").field("now", &self.now).field("taken", &self.taken).finish()
+        f.debug_struct("Host")
+            .field("now", &self.now)
+            .field("taken", &self.taken)
+            .finish()
     }
 }
 
@@ -130,8 +133,14 @@ impl Host {
     /// When the stream cannot carry what the sampler gives.
     pub fn advance(&mut self, out: &mut Vec<u8>) -> Result<Progress, StreamError> {
         let (start, end) = (self.now, self.instant(self.index));
-        let pieces = ((end - start) / self.sampler.preferred_span()).round().max(1.0) as u32;
-        let mut progress = Progress { index: self.index, time: end, ..Progress::default() };
+        let pieces = ((end - start) / self.sampler.preferred_span())
+            .round()
+            .max(1.0) as u32;
+        let mut progress = Progress {
+            index: self.index,
+            time: end,
+            ..Progress::default()
+        };
         self.shots.clear();
         for piece in 0..pieces {
             let at = |piece| start + (end - start) * f64::from(piece) / f64::from(pieces);
@@ -141,7 +150,11 @@ impl Host {
             self.taken = due;
             let before = self.shots.len();
             self.world.prepare(t0, t1);
-            self.sampler.epoch(Span { t0, t1, shots }, &WorldEye(&self.world), &mut self.shots);
+            self.sampler.epoch(
+                Span { t0, t1, shots },
+                &WorldEye(&self.world),
+                &mut self.shots,
+            );
             if let Some(time) = self.sampler.take_cut() {
                 progress.cut = true;
                 self.sender.cut(time, out)?;
@@ -152,7 +165,8 @@ impl Host {
                 self.sender.samples(&self.shots[before..], out)?;
             }
         }
-        self.sampler.tiles(self.sender.hello().tile_fields, &mut self.tiles);
+        self.sampler
+            .tiles(self.sender.hello().tile_fields, &mut self.tiles);
         self.sender.refresh(&self.world, end, &self.tiles, out)?;
         for shot in &self.shots {
             progress.rays.primary += shot.hit.rays.primary;

@@ -16,8 +16,9 @@ use unframed_wire::{LogCode, Pose, View};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Fixed;
 
-/// log2 of the nearest depth that is told apart, world units: 2^−8.
-const DEPTH_FIRST: i32 = -8;
+/// log2 of the nearest depth that is told apart, world units: 1, so that the farthest is 2^32,
+/// beyond the sky.
+const DEPTH_FIRST: i32 = 0;
 /// One, with 15 fractional bits.
 const ONE: u32 = 1 << 15;
 /// log2 of 10^6 with 11 fractional bits: microseconds in a second.

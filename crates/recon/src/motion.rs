@@ -258,7 +258,7 @@ mod tests {
         // 1000 units a refresh: after two refreshes 2000, times 256 px: one pixel at 512,000.
         let reach = moved(1000);
         let got = f64::from(reach.of(2 * 16_384, false));
-        let exact = (512_000f64.log2() + 8.0) * 2048.0;
+        let exact = 512_000f64.log2() * 2048.0;
         // The bucket's middle is half a bucket (an eighth of a refresh) later.
         assert!((got - exact).abs() < 0.1 * 2048.0, "{got} {exact}");
         assert!(reach.resting.windows(2).all(|pair| pair[0] <= pair[1]));

@@ -303,7 +303,11 @@ pub struct Sky {
 
 impl Default for Sky {
     fn default() -> Self {
-        Self { zenith: Vec3::ZERO, horizon: Vec3::ZERO, ambient: Vec3::ZERO }
+        Self {
+            zenith: Vec3::ZERO,
+            horizon: Vec3::ZERO,
+            ambient: Vec3::ZERO,
+        }
     }
 }
 

@@ -49,20 +49,38 @@ impl Quantiser {
         let objects = 0..world.object_count().max(1) as u8;
         let largest = objects.clone().map(extent).fold(0.0f32, f32::max);
         let length = if extent(0) > 0.0 { extent(0) } else { largest };
-        let length = if length.is_normal() { f64::from(length) } else { 1.0 };
+        let length = if length.is_normal() {
+            f64::from(length)
+        } else {
+            1.0
+        };
         let unit = length / SPAN;
         let bounds = world.bounds(0);
         let origin = Vec3::from((bounds.min + bounds.max) * 0.5);
         let lattices = objects
             .map(|object| {
                 let bounds = world.bounds(object);
-                let (min, max) = (Vec3::from(bounds.min).as_dvec3(), Vec3::from(bounds.max).as_dvec3());
+                let (min, max) = (
+                    Vec3::from(bounds.min).as_dvec3(),
+                    Vec3::from(bounds.max).as_dvec3(),
+                );
                 // A flat thing still has a lattice across: of single units.
-                Lattice { centre: (min + max) * 0.5, step: ((max - min) / STEPS).max(DVec3::splat(unit)) }
+                Lattice {
+                    centre: (min + max) * 0.5,
+                    step: ((max - min) / STEPS).max(DVec3::splat(unit)),
+                }
             })
             .collect();
-        let frame = WorldFrame { origin: origin.to_array(), unit: unit as f32 };
-        Self { frame, origin: origin.as_dvec3(), unit, lattices }
+        let frame = WorldFrame {
+            origin: origin.to_array(),
+            unit: unit as f32,
+        };
+        Self {
+            frame,
+            origin: origin.as_dvec3(),
+            unit,
+            lattices,
+        }
     }
 
     /// What Hello says of it.
@@ -80,7 +98,9 @@ impl Quantiser {
             _ => local.as_dvec3() * (STEPS * 0.5),
         };
         // A cast saturates, and makes 0 of what is no number.
-        steps.to_array().map(|v| v.round().clamp(-32767.0, 32767.0) as i16)
+        steps
+            .to_array()
+            .map(|v| v.round().clamp(-32767.0, 32767.0) as i16)
     }
 
     /// The pose of an object at an instant.
@@ -88,7 +108,10 @@ impl Quantiser {
     pub fn pose(&self, object: u8, pose: &Affine3A, eye: Vec3) -> Pose {
         let (matrix, translation) = match self.lattices.get(usize::from(object)) {
             Some(lattice) if object != SKY => {
-                let linear = pose.matrix3.to_cols_array_2d().map(|c| DVec3::from(c.map(f64::from)));
+                let linear = pose
+                    .matrix3
+                    .to_cols_array_2d()
+                    .map(|c| DVec3::from(c.map(f64::from)));
                 let step = lattice.step.to_array();
                 let columns: [DVec3; 3] = std::array::from_fn(|j| linear[j] * step[j] / self.unit);
                 let centre = lattice.centre.to_array();
@@ -97,7 +120,10 @@ impl Quantiser {
             }
             _ => {
                 let scale = SKY_RADIUS / (STEPS * 0.5);
-                ([DVec3::X * scale, DVec3::Y * scale, DVec3::Z * scale], eye.as_dvec3())
+                (
+                    [DVec3::X * scale, DVec3::Y * scale, DVec3::Z * scale],
+                    eye.as_dvec3(),
+                )
             }
         };
         let rows: [[f64; 3]; 3] = std::array::from_fn(|k| std::array::from_fn(|j| matrix[j][k]));
@@ -117,8 +143,12 @@ impl Quantiser {
             [camera.right, camera.down, camera.forward].map(|v| v.as_dvec3());
         let focal = f64::from(camera.focal);
         let centre = camera.centre.as_dvec2();
-        let rows = [right * focal + forward * centre.x, down * focal + forward * centre.y, forward]
-            .map(|row| row.to_array());
+        let rows = [
+            right * focal + forward * centre.x,
+            down * focal + forward * centre.y,
+            forward,
+        ]
+        .map(|row| row.to_array());
         let frac_bits = frac_bits(&rows, 30);
         View {
             time,

@@ -3,8 +3,8 @@
 use std::fmt;
 
 use unframed_wire::{
-    ColourEncoding, EncodeError, End, Hello, Layout, Pose, Rect, Refresh, SKY, ScreenSample,
-    Tick, TileFields, TileNode, WorldSample, Writer, ledger::Ledger,
+    ColourEncoding, EncodeError, End, Hello, Layout, Pose, Rect, Refresh, SKY, ScreenSample, Tick,
+    TileFields, TileNode, WorldSample, Writer, ledger::Ledger,
 };
 
 use super::Quantiser;
@@ -132,11 +132,12 @@ impl Sender {
             Layout::World => {
                 let quantiser = &self.quantiser;
                 self.world_samples.clear();
-                self.world_samples.extend(shots.iter().map(|shot| WorldSample {
-                    place: quantiser.place(shot.hit.object, shot.hit.local),
-                    rgb: srgb::encode8(shot.hit.colour),
-                    object: shot.hit.object,
-                }));
+                self.world_samples
+                    .extend(shots.iter().map(|shot| WorldSample {
+                        place: quantiser.place(shot.hit.object, shot.hit.local),
+                        rgb: srgb::encode8(shot.hit.colour),
+                        object: shot.hit.object,
+                    }));
                 self.writer.world_samples(time, &self.world_samples, sink)?;
             }
             Layout::Screen => {
@@ -150,7 +151,8 @@ impl Sender {
                         rgb: srgb::encode8(shot.hit.colour),
                     }
                 }));
-                self.writer.screen_samples(time, &self.screen_samples, sink)?;
+                self.writer
+                    .screen_samples(time, &self.screen_samples, sink)?;
             }
         }
         Ok(())
@@ -159,7 +161,8 @@ impl Sender {
     /// Sends Hello before the first packet.
     fn announce(&mut self, out: &mut Vec<u8>) -> Result<(), StreamError> {
         if self.writer.ledger().total_packets() == 0 {
-            self.writer.hello(&self.hello, &mut |bytes| out.extend_from_slice(bytes))?;
+            self.writer
+                .hello(&self.hello, &mut |bytes| out.extend_from_slice(bytes))?;
         }
         Ok(())
     }
@@ -170,7 +173,9 @@ impl Sender {
     /// None with a sound encoder.
     pub fn cut(&mut self, time: f64, out: &mut Vec<u8>) -> Result<(), StreamError> {
         self.announce(out)?;
-        Ok(self.writer.cut(tick(time), &mut |bytes| out.extend_from_slice(bytes))?)
+        Ok(self
+            .writer
+            .cut(tick(time), &mut |bytes| out.extend_from_slice(bytes))?)
     }
 
     /// Asks for a picture of the instant `time` (seconds): sends tiles, the view and the poses of
@@ -192,14 +197,20 @@ impl Sender {
             self.writer.hello(&self.hello, sink)?;
         }
         if !tiles.is_empty() {
-            let whole = Rect { x: 0, y: 0, w: self.hello.width, h: self.hello.height };
+            let whole = Rect {
+                x: 0,
+                y: 0,
+                w: self.hello.width,
+                h: self.hello.height,
+            };
             self.writer.tiles(tick(time), whole, tiles, sink)?;
         }
         if self.hello.layout == Layout::World {
             let camera = world.camera(time);
             let motion = world.moves();
             if motion.view || again {
-                self.writer.view(&self.quantiser.view(tick(time), &camera), sink)?;
+                self.writer
+                    .view(&self.quantiser.view(tick(time), &camera), sink)?;
             }
             let movers = 1..world.object_count() as u8;
             let resting = [0].into_iter().filter(|_| again);
@@ -211,7 +222,13 @@ impl Sender {
                 .collect();
             self.writer.poses(tick(time), &poses, sink)?;
         }
-        self.writer.refresh(Refresh { time: tick(time), index: self.refreshes }, sink)?;
+        self.writer.refresh(
+            Refresh {
+                time: tick(time),
+                index: self.refreshes,
+            },
+            sink,
+        )?;
         self.refreshes = self.refreshes.wrapping_add(1);
         Ok(())
     }
@@ -222,6 +239,8 @@ impl Sender {
     /// None with a sound encoder.
     pub fn end(&mut self, time: f64, out: &mut Vec<u8>) -> Result<End, StreamError> {
         self.announce(out)?;
-        Ok(self.writer.end(tick(time), &mut |bytes| out.extend_from_slice(bytes))?)
+        Ok(self
+            .writer
+            .end(tick(time), &mut |bytes| out.extend_from_slice(bytes))?)
     }
 }

@@ -5,7 +5,7 @@ const GUARD: i32 = 8i;
 // How far from its centre a footprint can reach, pixels.
 const REACH: i32 = 4i;
 // log2 of the nearest depth that is told apart, world units.
-const DEPTH_FIRST: i32 = -8i;
+const DEPTH_FIRST: i32 = 0i;
 // Fractional bits of pixel distances.
 const DISTANCE_BITS: u32 = 8u;
 
