@@ -101,7 +101,7 @@ pub struct RunArgs {
     #[arg(long, requires = "window")]
     pub frames: Option<u64>,
     /// Measure every N-th refresh against the ideal image.
-    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..))]
     pub every: u32,
     /// Pictures, report.html, report.json and hashes.txt go into this directory.
     #[arg(long)]
