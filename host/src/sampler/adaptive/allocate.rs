@@ -5,6 +5,9 @@
 //! already has more keeps what it has. That is water-filling (Cover & Thomas, §9.4, in another
 //! dress): `new = max(0, λ·a·s − n)`.
 
+/// Running sums of [`active`].
+const LANES: usize = 16;
+
 /// The level λ at which `Σ max(0, λ·s_i − n_i) = budget`, and how many rounds it took.
 /// Tiles with `s_i ≤ 0` get nothing. 0 if no tile wants anything.
 pub(super) fn water_level(s: &[f32], n: &[f32], budget: f32) -> (f32, u32) {
@@ -12,13 +15,7 @@ pub(super) fn water_level(s: &[f32], n: &[f32], budget: f32) -> (f32, u32) {
     // overfull ones lowers λ, which may drop more: at most one round a tile, in practice few.
     let mut lambda = f32::INFINITY;
     for round in 1..=32 {
-        let (mut sum_s, mut sum_n) = (0.0f64, 0.0f64);
-        for (&s, &n) in s.iter().zip(n) {
-            if s > 0.0 && lambda * s > n {
-                sum_s += f64::from(s);
-                sum_n += f64::from(n);
-            }
-        }
+        let (sum_s, sum_n) = active(s, n, lambda);
         if sum_s <= 0.0 {
             return (0.0, round);
         }
@@ -29,6 +26,30 @@ pub(super) fn water_level(s: &[f32], n: &[f32], budget: f32) -> (f32, u32) {
         lambda = next;
     }
     (lambda, 32)
+}
+
+/// Σ s and Σ n over the tiles with `λ·s > n`. Sixteen running sums: additions that do not wait for
+/// each other, and lengths at which f32 is exact enough.
+fn active(s: &[f32], n: &[f32], lambda: f32) -> (f64, f64) {
+    let (mut sums, mut fills) = ([0.0f32; LANES], [0.0f32; LANES]);
+    let (s, rest_s) = s.as_chunks::<LANES>();
+    let (n, rest_n) = n.as_chunks::<LANES>();
+    let mut add = |lane: usize, s: f32, n: f32| {
+        // The product with infinity is not a number where s is 0: not active, as it should be.
+        let active = if lambda * s > n { 1.0 } else { 0.0 };
+        sums[lane] += active * s;
+        fills[lane] += active * n;
+    };
+    for (s, n) in s.iter().zip(n) {
+        for lane in 0..LANES {
+            add(lane, s[lane], n[lane]);
+        }
+    }
+    for (lane, (&s, &n)) in rest_s.iter().zip(rest_n).enumerate() {
+        add(lane, s, n);
+    }
+    let total = |lanes: [f32; LANES]| lanes.iter().map(|&v| f64::from(v)).sum();
+    (total(sums), total(fills))
 }
 
 /// Turns fractional shares into whole visits: appends tile `order[k]` so often that every prefix

@@ -204,12 +204,6 @@ impl Cells {
         if self.hidden_test {
             self.hide();
         }
-        for (cover, &front) in self.cover.iter_mut().zip(&self.front) {
-            *cover = self
-                .pool
-                .get(front as usize)
-                .map_or(0.0, |cell| cell.weight);
-        }
     }
 
     /// Gives a cell its place in the planes. False if it is not needed any more: merged into
@@ -219,25 +213,23 @@ impl Cells {
         let pixel = cell.pixel as usize;
         let front = self.front[pixel];
         if front == NONE {
-            self.front[pixel] = index;
-            self.depth[pixel] = cell.depth;
+            self.bring_forward(pixel, index, &cell);
             return true;
         }
         if same_depth(cell.depth, self.depth[pixel]) {
-            if let Some(free) = self.free_beside(pixel, at) {
+            if let Some(free) = self.free_beside(at) {
                 self.pool[index as usize].pixel = free as u32;
-                self.front[free] = index;
-                self.depth[free] = cell.depth;
+                self.bring_forward(free, index, &cell);
                 return true;
             }
             let other = &mut self.pool[front as usize];
             other.merge(&cell);
             self.depth[pixel] = other.depth;
+            self.cover[pixel] = other.weight;
             return false;
         }
         if cell.depth < self.depth[pixel] {
-            self.front[pixel] = index;
-            self.depth[pixel] = cell.depth;
+            self.bring_forward(pixel, index, &cell);
             if !self.hide_behind(front) {
                 self.pool[front as usize].weight = 0.0;
             }
@@ -246,12 +238,20 @@ impl Cells {
         self.hide_behind(index)
     }
 
-    /// The pixel next to a taken one, on the side of the place `at`, if it is free. Two cells of a
+    /// Makes a cell the front one of a pixel.
+    fn bring_forward(&mut self, pixel: usize, index: u32, cell: &Cell) {
+        self.front[pixel] = index;
+        self.depth[pixel] = cell.depth;
+        self.cover[pixel] = cell.weight;
+    }
+
+    /// The pixel next to the one of the place `at`, on its side, if it is free. Two cells of a
     /// surface fall into one pixel and none into the next wherever the pixel grid moves over it:
     /// if they merged each time, a moving view would eat its memory up within a few epochs.
-    fn free_beside(&self, pixel: usize, at: Vec2) -> Option<usize> {
+    fn free_beside(&self, at: Vec2) -> Option<usize> {
         let (w, h) = (self.size.x as usize, self.size.y as usize);
-        let (x, y) = (pixel % w, pixel / w);
+        // `at` lies in the pixel: no division is needed to find its place.
+        let (x, y) = (at.x as usize, at.y as usize);
         let off = at - Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
         let step = |at: usize, off: f32, size: usize| {
             let to = if off < 0.0 {
@@ -307,25 +307,21 @@ impl Cells {
             return;
         }
         self.hidden.clear();
+        let mut nearer = vec![0u8; w - 2];
         for y in 1..h - 1 {
             let rows = [y - 1, y, y + 1].map(|r| &self.depth[r * w..(r + 1) * w]);
-            for x in 1..w - 1 {
-                let z = rows[1][x];
-                if z == f32::INFINITY {
-                    continue;
+            nearer.fill(0);
+            let limit = |z: f32| (z - 0.003) * (1.0 / 1.05);
+            // One neighbour at a time for the whole row: loops that the compiler vectorises.
+            for (row, shift) in (0..9).map(|i| (i / 3, i % 3)) {
+                let others = &rows[row][shift..shift + w - 2];
+                for ((count, z), other) in nearer.iter_mut().zip(&rows[1][1..w - 1]).zip(others) {
+                    *count += u8::from(*other < limit(*z));
                 }
-                let limit = (z - 0.003) * (1.0 / 1.05);
-                let nearer: u32 = rows
-                    .iter()
-                    .map(|row| {
-                        row[x - 1..x + 2]
-                            .iter()
-                            .map(|&d| u32::from(d < limit))
-                            .sum::<u32>()
-                    })
-                    .sum();
-                if nearer >= 7 {
-                    self.hidden.push((y * w + x) as u32);
+            }
+            for (x, count) in nearer.iter().enumerate() {
+                if *count >= 7 && rows[1][x + 1] < f32::INFINITY {
+                    self.hidden.push((y * w + x + 1) as u32);
                 }
             }
         }
@@ -334,6 +330,7 @@ impl Cells {
             let front = self.front[pixel];
             self.front[pixel] = NONE;
             self.depth[pixel] = f32::INFINITY;
+            self.cover[pixel] = 0.0;
             if !self.hide_behind(front) {
                 self.pool[front as usize].weight = 0.0;
             }

@@ -15,7 +15,6 @@ pub(super) const TILE: u32 = 8;
 #[derive(Clone, Debug)]
 pub(super) struct Lifetimes {
     pub(super) grid: UVec2,
-    width: u32,
     /// Σ Δc² and Σ Δt² of each tile.
     sums: Vec<[f32; 2]>,
     rows: Vec<[f32; 2]>,
@@ -33,7 +32,6 @@ impl Lifetimes {
         let tiles = (grid.x * grid.y) as usize;
         Self {
             grid,
-            width: size.x,
             sums: vec![[0.0; 2]; tiles],
             rows: vec![[0.0; 2]; tiles],
             tau: vec![config.lifetime_max; tiles],
@@ -42,11 +40,6 @@ impl Lifetimes {
             shortest: config.lifetime_min,
             tolerance: config.tolerance,
         }
-    }
-
-    /// The tile of a pixel.
-    pub(super) fn tile(&self, pixel: u32) -> usize {
-        tile_of(pixel, self.width, self.grid.x)
     }
 
     pub(super) fn clear(&mut self) {
@@ -92,10 +85,4 @@ impl Lifetimes {
         };
         (1.0 / (rate2 + 1.0 / (self.longest * self.longest)).sqrt()).max(self.shortest)
     }
-}
-
-/// The lifetime tile of a pixel in an image of `width` pixels and `columns` tiles.
-pub(super) fn tile_of(pixel: u32, width: u32, columns: u32) -> usize {
-    let (x, y) = (pixel % width, pixel / width);
-    (y / TILE * columns + x / TILE) as usize
 }

@@ -118,8 +118,8 @@ impl Adaptive {
         let lifetimes = Lifetimes::new(size, &config);
         let lifetime_tiles = (0..grid.len() as u32)
             .map(|tile| {
-                let (corner, _) = grid.rect(tile);
-                lifetimes.tile(corner.y * size.x + corner.x) as u32
+                let at = grid.rect(tile).0 / lifetime::TILE;
+                at.y * lifetimes.grid.x + at.x
             })
             .collect();
         Self {
@@ -206,9 +206,9 @@ impl Adaptive {
         self.fading.unseen = fade(c.lifetime_max);
         self.fading.residuals = (-step / c.residual_memory).exp();
         self.fading.gradients = (-step / c.gradient_memory).exp();
-        let lifetimes = &self.lifetimes;
+        let (grid, lifetimes) = (&self.grid, &self.lifetime_tiles);
         self.cells.warp(&self.projection, &self.fading, |pixel| {
-            lifetimes.tile(pixel)
+            lifetimes[grid.of(pixel)] as usize
         });
         self.sum();
         if c.balanced {
@@ -228,21 +228,20 @@ impl Adaptive {
     fn sum(&mut self) {
         self.tiles.fill(Tile::default());
         self.lifetimes.clear();
-        let width = self.grid.size.x;
         let mut covered = 0;
         for (i, cell) in self.cells.pool.iter().enumerate() {
             if cell.pixel == NONE || self.cells.front[cell.pixel as usize] != i as u32 {
                 continue;
             }
-            let (x, y) = (cell.pixel % width, cell.pixel / width);
-            let tile = &mut self.tiles[self.grid.of(x, y)];
+            let index = self.grid.of(cell.pixel);
+            let tile = &mut self.tiles[index];
             tile.samples += cell.weight;
             tile.covered += 1.0;
             tile.colour += cell.mean * cell.weight;
             tile.residuals[0] += cell.residuals[0];
             tile.residuals[1] += cell.residuals[1];
             self.lifetimes
-                .add(self.lifetimes.tile(cell.pixel), cell.gradients);
+                .add(self.lifetime_tiles[index] as usize, cell.gradients);
             covered += 1;
         }
         self.stats.cells = self.cells.pool.len();
@@ -256,8 +255,7 @@ impl Adaptive {
         s.errors.clear();
         s.filled.clear();
         for (i, tile) in self.tiles.iter().enumerate() {
-            let (_, size) = self.grid.rect(i as u32);
-            let area = (size.x * size.y) as f32;
+            let area = self.grid.areas[i];
             let error = if c.residuals {
                 tile.error(area - tile.covered, c)
             } else {
@@ -272,9 +270,8 @@ impl Adaptive {
         let everywhere = c.uniform_share * count as f32 / (self.grid.size.element_product() as f32);
         s.shares.clear();
         for (i, (&error, &filled)) in s.errors.iter().zip(&s.filled).enumerate() {
-            let (_, size) = self.grid.rect(i as u32);
             let due = (level * error - filled).max(0.0) * (1.0 - c.uniform_share);
-            s.shares.push(due + everywhere * (size.x * size.y) as f32);
+            s.shares.push(due + everywhere * self.grid.areas[i]);
         }
         allocate::visits(
             &self.order,
@@ -291,6 +288,7 @@ impl Adaptive {
         self.scratch.intents.clear();
         let count = self.scratch.visits.len();
         let stride = golden_stride(count);
+        let evenly = count as f32 / self.grid.size.element_product() as f32;
         let mut at = self.random.below(count.max(1) as u32) as usize;
         for i in 0..count {
             let tile = self.scratch.visits[at];
@@ -298,9 +296,7 @@ impl Adaptive {
             let again = self.random.unit() < self.config.verify_share;
             let (place, pixel) = self.aim(tile, again);
             let time = span.instant(first + i);
-            let (_, size) = self.grid.rect(tile);
-            let uniform = (count as u32 * size.element_product()) as f32
-                / self.grid.size.element_product() as f32;
+            let uniform = evenly * self.grid.areas[tile as usize];
             let mut intent = Intent {
                 tile,
                 weight: uniform / self.scratch.shares[tile as usize].max(1e-9),
@@ -393,9 +389,7 @@ impl Adaptive {
             self.cells.deposit(fresh, at, depth);
             return;
         }
-        let tile = self
-            .grid
-            .of(pixel % self.grid.size.x, pixel / self.grid.size.x);
+        let tile = self.grid.of(pixel);
         let mean = self.tiles[tile].mean();
         let front = self.cells.front[pixel as usize];
         let shown = if front == NONE {

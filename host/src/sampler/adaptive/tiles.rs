@@ -42,24 +42,37 @@ pub(super) struct Grid {
     pub(super) size: UVec2,
     pub(super) columns: u32,
     pub(super) rows: u32,
+    /// The tile of each pixel: a look-up is cheaper than two divisions by the width.
+    tiles: Vec<u32>,
+    /// Pixels in each tile.
+    pub(super) areas: Vec<f32>,
 }
 
 impl Grid {
     pub(super) fn new(size: UVec2) -> Self {
-        Self {
+        let (columns, rows) = (size.x.div_ceil(TILE), size.y.div_ceil(TILE));
+        let mut grid = Self {
             size,
-            columns: size.x.div_ceil(TILE),
-            rows: size.y.div_ceil(TILE),
-        }
+            columns,
+            rows,
+            tiles: (0..size.y)
+                .flat_map(|y| (0..size.x).map(move |x| y / TILE * columns + x / TILE))
+                .collect(),
+            areas: Vec::new(),
+        };
+        grid.areas = (0..columns * rows)
+            .map(|tile| grid.rect(tile).1.element_product() as f32)
+            .collect();
+        grid
     }
 
     pub(super) fn len(&self) -> usize {
-        (self.columns * self.rows) as usize
+        self.areas.len()
     }
 
-    /// The tile of a pixel.
-    pub(super) fn of(&self, x: u32, y: u32) -> usize {
-        (y / TILE * self.columns + x / TILE) as usize
+    /// The tile of a pixel (its index, row by row).
+    pub(super) fn of(&self, pixel: u32) -> usize {
+        self.tiles[pixel as usize] as usize
     }
 
     /// Left top corner and size of a tile, pixels; tiles at the right and bottom may be cut off.
