@@ -57,8 +57,9 @@ impl Panel {
     #[inline]
     #[must_use]
     pub fn nearest(&self, x: i32, y: i32) -> usize {
-        let x = x.clamp(0, i32::from(self.width) - 1);
-        let y = y.clamp(0, i32::from(self.height) - 1);
+        // `clamp` would be a panic path for a panel without pixels.
+        let x = x.min(i32::from(self.width) - 1).max(0);
+        let y = y.min(i32::from(self.height) - 1).max(0);
         y as usize * usize::from(self.width) + x as usize
     }
 }

@@ -128,6 +128,21 @@ impl Config {
     };
 }
 
+/// Configurations by name: what a job for the firmware can ask for.
+pub const NAMED: [(&str, Config); 5] = [
+    ("adaptive", Config::ADAPTIVE),
+    (
+        "adaptive-constant",
+        Config {
+            fit: Fit::Constant,
+            ..Config::ADAPTIVE
+        },
+    ),
+    ("uniform", Config::UNIFORM),
+    ("paper", Config::PAPER),
+    ("frameless", Config::NEWEST),
+];
+
 impl Default for Config {
     fn default() -> Self {
         Self::ADAPTIVE

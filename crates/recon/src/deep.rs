@@ -33,6 +33,17 @@ pub struct Stored {
 
 const _: () = assert!(core::mem::size_of::<Stored>() == 16);
 
+impl Stored {
+    /// Nothing stored.
+    pub const EMPTY: Self = Self {
+        time: 0,
+        place: [0; 3],
+        rgb: [0; 3],
+        slot: 0,
+        placing: Placing::Empty,
+    };
+}
+
 /// The pose slot of an object: the sky first, then objects from 0.
 #[must_use]
 pub const fn slot(object: u8) -> u8 {

@@ -335,7 +335,8 @@ impl<'a, A: Arith> Display<'a, A> {
         self.project(refresh.time, &reach);
         let len = self.deep.len();
         if self.config.hidden {
-            let (panel, projected) = (&self.panel, &mut self.projected[..len]);
+            let panel = &self.panel;
+            let projected = self.projected.get_mut(..len).unwrap_or_default();
             hidden::nearest(panel, projected, self.minima);
             hidden::limits::<A>(panel, self.minima, self.limits);
             hidden::mark_movers(panel, self.deep.samples(), projected, self.movers);
@@ -346,7 +347,7 @@ impl<'a, A: Arith> Display<'a, A> {
             Light::Linear => &SRGB_TO_LINEAR,
             Light::Encoded => &ENCODED,
         };
-        let projected = &self.projected[..len];
+        let projected = self.projected.get(..len).unwrap_or_default();
         splat::scatter(
             &self.panel,
             self.deep.samples(),
@@ -432,7 +433,8 @@ impl<'a, A: Arith> Display<'a, A> {
             return;
         }
         let panel = &self.panel;
-        let projected = &mut self.projected[..self.deep.len()];
+        let projected = self.projected.get_mut(..self.deep.len());
+        let projected = projected.unwrap_or_default();
         splat::masses(panel, projected, self.mass);
         splat::widths::<A>(panel, self.mass, self.widths);
         for sample in projected {

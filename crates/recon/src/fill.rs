@@ -45,19 +45,19 @@ fn pull_level<A: Arith>(fine: &[Texel<A>], size: Size, pyramid: &mut [Texel<A>])
     let mut source: &[Texel<A>] = fine;
     while size.0 > 1 || size.1 > 1 {
         let below = coarser(size);
-        let (level, tail) = rest.split_at_mut(below.0 * below.1);
+        let Some((level, tail)) = rest.split_at_mut_checked(below.0 * below.1) else {
+            return;
+        };
         let finer = if first { fine } else { source };
-        for y in 0..below.1 {
-            for x in 0..below.0 {
+        for (y, line) in level.chunks_mut(below.0.max(1)).enumerate() {
+            for (x, texel) in line.iter_mut().enumerate() {
                 let at = |dx: usize, dy: usize| {
                     let (x, y) = (2 * x + dx, 2 * y + dy);
-                    if x < size.0 && y < size.1 {
-                        finer[y * size.0 + x]
-                    } else {
-                        Texel::default()
-                    }
+                    let inside = x < size.0 && y < size.1;
+                    let texel = finer.get(y * size.0 + x).filter(|_| inside);
+                    texel.copied().unwrap_or_default()
                 };
-                level[y * below.0 + x] = A::pull([at(0, 0), at(1, 0), at(0, 1), at(1, 1)]);
+                *texel = A::pull([at(0, 0), at(1, 0), at(0, 1), at(1, 1)]);
             }
         }
         first = false;
@@ -77,7 +77,7 @@ fn push_levels<A: Arith>(
         return known(texels.first()?);
     }
     let below = coarser(size);
-    let (level, rest) = pyramid.split_at_mut(below.0 * below.1);
+    let (level, rest) = pyramid.split_at_mut_checked(below.0 * below.1)?;
     push_levels(level, below, rest)?;
     push_level(texels, size, level, below);
     Some(())
@@ -90,12 +90,12 @@ fn known<A: Arith>(texel: &Texel<A>) -> Option<()> {
 /// Pushes one level: each fine texel sees the coarse one that holds it and the three beside it on
 /// its side, weights 9, 3, 3, 1.
 fn push_level<A: Arith>(fine: &mut [Texel<A>], size: Size, coarse: &[Texel<A>], below: Size) {
-    for (y, line) in fine.chunks_exact_mut(size.0).enumerate().take(size.1) {
+    for (y, line) in fine.chunks_mut(size.0.max(1)).enumerate().take(size.1) {
         let near_y = y / 2;
         let far_y = beside(y, below.1);
         for (x, texel) in line.iter_mut().enumerate() {
             let (near_x, far_x) = (x / 2, beside(x, below.0));
-            let at = |x: usize, y: usize| coarse[y * below.0 + x];
+            let at = |x: usize, y: usize| coarse.get(y * below.0 + x).copied().unwrap_or_default();
             let around = [
                 at(near_x, near_y),
                 at(far_x, near_y),

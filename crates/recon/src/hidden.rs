@@ -113,7 +113,8 @@ pub fn drop<A: Arith>(
         let (Some(limit), Some(mover)) = (limits.get(pixel), movers.get(pixel)) else {
             continue;
         };
-        let reach = sample.reach[usize::from(*mover)];
+        let [resting, moving] = sample.reach;
+        let reach = if *mover == 0 { resting } else { moving };
         if *limit < sample.depth && *limit <= reach {
             sample.weight = A::Weight::default();
         }
@@ -123,23 +124,28 @@ pub fn drop<A: Arith>(
 /// The coarser minima from the first level, and the depth beyond which each pixel is hidden.
 pub fn limits<A: Arith>(panel: &Panel, minima: &mut [A::Depth], limits: &mut [A::Depth]) {
     let (width, height) = (usize::from(panel.width), usize::from(panel.height));
-    let (fine, coarse) = minima.split_at_mut(panel.pixels());
-    let (halves, blocks) =
-        coarse.split_at_mut(cells_along(panel.width, 2) * cells_along(panel.height, 2));
+    let half_cells = cells_along(panel.width, 2) * cells_along(panel.height, 2);
+    let Some((fine, coarse)) = minima.split_at_mut_checked(panel.pixels()) else {
+        return;
+    };
+    let Some((halves, blocks)) = coarse.split_at_mut_checked(half_cells) else {
+        return;
+    };
     for (cells, side) in [(&mut *halves, 2), (&mut *blocks, 32)] {
         cells.fill(A::FAR);
-        let columns = width.div_ceil(side);
-        for (row, pixels) in fine.chunks_exact(width).enumerate() {
-            let cells = &mut cells[row / side * columns..][..columns];
-            for (x, depth) in pixels.iter().enumerate() {
-                let cell = &mut cells[x / side];
-                if *depth < *cell {
-                    *cell = *depth;
+        let rows = cells.chunks_mut(width.div_ceil(side).max(1));
+        for (cells, rows) in rows.zip(fine.chunks(side * width.max(1))) {
+            for pixels in rows.chunks(width.max(1)) {
+                for (cell, pixels) in cells.iter_mut().zip(pixels.chunks(side)) {
+                    for depth in pixels {
+                        if *depth < *cell {
+                            *cell = *depth;
+                        }
+                    }
                 }
             }
         }
     }
-    let limits = &mut limits[..width * height];
     each(fine, width, height, 1, limits, width, |around, limit| {
         *limit = A::behind(top_three(around)[0], 1);
     });
@@ -174,7 +180,7 @@ pub fn limits<A: Arith>(panel: &Panel, minima: &mut [A::Depth], limits: &mut [A:
 }
 
 /// Calls `apply` for each pixel with the 3 × 3 cells around its cell, clamped at borders.
-fn each<D: Copy>(
+fn each<D: Copy + Default>(
     cells: &[D],
     columns: usize,
     rows: usize,
@@ -183,19 +189,22 @@ fn each<D: Copy>(
     width: usize,
     apply: impl Fn([D; 9], &mut D),
 ) {
-    for row in 0..rows {
-        let lines = [row.saturating_sub(1), row, (row + 1).min(rows - 1)]
-            .map(|r| &cells[r * columns..][..columns]);
+    let width = width.max(1);
+    for (row, band) in limits.chunks_mut(side * width).enumerate().take(rows) {
+        let [above, here, below] = [row.saturating_sub(1), row, (row + 1).min(rows - 1)].map(|r| {
+            let from = cells.get(r * columns..).unwrap_or_default();
+            from.get(..columns).unwrap_or_default()
+        });
         for column in 0..columns {
-            let near = [
-                column.saturating_sub(1),
-                column,
-                (column + 1).min(columns - 1),
-            ];
-            let around = core::array::from_fn(|i| lines[i / 3][near[i % 3]]);
-            for y in row * side..((row + 1) * side).min(limits.len() / width) {
-                let line = &mut limits[y * width..][..width];
-                for limit in &mut line[column * side..((column + 1) * side).min(width)] {
+            let last = columns - 1;
+            let near = [column.saturating_sub(1), column, (column + 1).min(last)];
+            let [a, b, c] = [above, here, below]
+                .map(|line| near.map(|x| line.get(x).copied().unwrap_or_default()));
+            let around = [a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]];
+            let from = column * side;
+            for line in band.chunks_mut(width) {
+                let to = (from + side).min(line.len());
+                for limit in line.get_mut(from..to).unwrap_or_default() {
                     apply(around, limit);
                 }
             }

@@ -237,33 +237,74 @@ impl<
     }
 }
 
-impl<
-    A: Arith,
-    const N: usize,
-    const P: usize,
-    const M: usize,
-    const Y: usize,
-    const C: usize,
-    const O: usize,
-    const L: usize,
-> Default for Storage<A, N, P, M, Y, C, O, L>
-{
-    fn default() -> Self {
-        Self {
-            samples: [Stored::default(); N],
-            projected: [Projected::default(); N],
-            minima: [A::Depth::default(); M],
-            limits: [A::Depth::default(); P],
-            movers: [0; P],
-            mass: [A::Mass::default(); P],
-            widths: [A::Width::default(); P],
-            sums: [Sums::<A>::default(); P],
-            moments: [Moments::<A>::default(); L],
-            texels: [Texel::default(); P],
-            pyramid: [Texel::default(); Y],
-            cells: [Cell::default(); C],
-            slots: [Slot::default(); O],
-            picture: [[0; 3]; P],
+/// Empty storage as a constant whose bytes are all zero, so that a `static` of it costs RAM and no
+/// flash; [`crate::Display::new`] gives what must not be zero its first value.
+macro_rules! empty_storage {
+    ($arith:ty, $zero:literal) => {
+        impl<
+            const N: usize,
+            const P: usize,
+            const M: usize,
+            const Y: usize,
+            const C: usize,
+            const O: usize,
+            const L: usize,
+        > Storage<$arith, N, P, M, Y, C, O, L>
+        {
+            /// Empty storage.
+            #[must_use]
+            pub const fn new() -> Self {
+                let texel = Texel {
+                    light: [$zero; 3],
+                    confidence: $zero,
+                };
+                Self {
+                    samples: [Stored::EMPTY; N],
+                    projected: [Projected {
+                        x: $zero,
+                        y: $zero,
+                        depth: $zero,
+                        weight: $zero,
+                        widths: [$zero; 2],
+                        reach: [$zero; 2],
+                    }; N],
+                    minima: [$zero; M],
+                    limits: [$zero; P],
+                    movers: [0; P],
+                    mass: [$zero; P],
+                    widths: [$zero; P],
+                    sums: [[$zero; 4]; P],
+                    moments: [[$zero; 11]; L],
+                    texels: [texel; P],
+                    pyramid: [texel; Y],
+                    cells: [Cell::ZERO; C],
+                    slots: [Slot {
+                        pose: None,
+                        shown: None,
+                        transform: None,
+                    }; O],
+                    picture: [[0; 3]; P],
+                }
+            }
         }
-    }
+
+        impl<
+            const N: usize,
+            const P: usize,
+            const M: usize,
+            const Y: usize,
+            const C: usize,
+            const O: usize,
+            const L: usize,
+        > Default for Storage<$arith, N, P, M, Y, C, O, L>
+        {
+            fn default() -> Self {
+                Self::new()
+            }
+        }
+    };
 }
+
+empty_storage!(crate::fixed::Fixed, 0);
+#[cfg(feature = "float")]
+empty_storage!(f32, 0.0);

@@ -95,11 +95,7 @@ impl Motion {
     /// Notes what moved since the last refresh: the eye, and the poses that are not those `shown`
     /// then (which it brings up to date).
     pub fn refresh<A: Arith>(&mut self, now: Tick, view: &View, slots: &mut [Slot<A>]) {
-        let mut last = if self.len > 0 {
-            self.steps[self.len - 1]
-        } else {
-            Step::default()
-        };
+        let mut last = self.known().last().copied().unwrap_or_default();
         let eye = self.eye.map_or(0, |eye| distance(eye, view.eye));
         self.eye = Some(view.eye);
         let mut objects = 0;
@@ -114,12 +110,14 @@ impl Motion {
         last.time = now;
         last.eye = last.eye.wrapping_add(eye);
         last.objects = last.objects.wrapping_add(objects);
-        if self.len == STEPS {
-            self.steps.copy_within(1.., 0);
-            self.len -= 1;
+        if self.len >= STEPS {
+            self.steps.rotate_left(1);
+            self.len = STEPS - 1;
         }
-        self.steps[self.len] = last;
-        self.len += 1;
+        if let Some(step) = self.steps.get_mut(self.len) {
+            *step = last;
+            self.len += 1;
+        }
     }
 
     /// How far occlusion can reach now.
@@ -129,30 +127,36 @@ impl Motion {
             resting: [A::depth_of_log(i32::MIN); BUCKETS],
             moving: [A::depth_of_log(i32::MIN); BUCKETS],
         };
-        let Some(now) = self.len.checked_sub(1).map(|last| self.steps[last]) else {
+        let Some(now) = self.known().last().copied() else {
             return reach;
         };
         let focal = focal_log(view);
-        for bucket in 0..BUCKETS {
+        let depths = reach.resting.iter_mut().zip(&mut reach.moving);
+        for (bucket, (resting, moving)) in depths.enumerate() {
             let age = ((bucket as u32) << BUCKET_BITS) + (1 << BUCKET_BITS >> 1);
             let (eye, objects) = self.since(now, age);
             let log = |way: u64| {
                 let log = if way == 0 { i32::MIN } else { log2_q11(way) };
                 log.saturating_add(focal - LEAST_PARALLAX)
             };
-            reach.resting[bucket] = A::depth_of_log(log(u64::from(eye)));
-            reach.moving[bucket] = A::depth_of_log(log(u64::from(eye) + u64::from(objects)));
+            *resting = A::depth_of_log(log(u64::from(eye)));
+            *moving = A::depth_of_log(log(u64::from(eye) + u64::from(objects)));
         }
         reach
+    }
+
+    /// The refreshes remembered, oldest first.
+    fn known(&self) -> &[Step] {
+        self.steps.get(..self.len).unwrap_or_default()
     }
 
     /// The ways since `age` before the newest refresh, linear between refreshes.
     fn since(&self, now: Step, age: u32) -> (u32, u32) {
         let mut later = now;
-        for step in self.steps[..self.len].iter().rev() {
+        for step in self.known().iter().rev() {
             let before = now.time.since(step.time).max(0) as u32;
             if before >= age {
-                let span = later.time.since(step.time).max(1) as u64;
+                let span = u64::from(later.time.since(step.time).max(1).unsigned_abs());
                 let part = u64::from(before - age);
                 let along = |a: u32, b: u32| {
                     let way = u64::from(b.wrapping_sub(a));

@@ -20,28 +20,30 @@ pub fn masses<A: Arith>(panel: &Panel, projected: &[Projected<A>], mass: &mut [A
 /// it ends as sums over 5 pixels along rows.
 pub fn widths<A: Arith>(panel: &Panel, mass: &mut [A::Mass], widths: &mut [A::Width]) {
     let width = usize::from(panel.width);
-    for line in mass.chunks_exact_mut(width) {
+    for line in mass.chunks_mut(width.max(1)) {
         // The two values before x are overwritten by the time they are needed: keep them.
         let mut before = [A::Mass::default(); 2];
-        for x in 0..width {
-            let own = line[x];
-            let ahead = |d: usize| line.get(x + d).copied().unwrap_or_default();
-            let sum = [before[0], before[1], ahead(1), ahead(2)]
+        for x in 0..line.len() {
+            let at = |x: usize| line.get(x).copied().unwrap_or_default();
+            let own = at(x);
+            let sum = [before[0], before[1], at(x + 1), at(x + 2)]
                 .into_iter()
                 .fold(own, A::add_mass);
             before = [before[1], own];
-            line[x] = sum;
+            if let Some(mass) = line.get_mut(x) {
+                *mass = sum;
+            }
         }
     }
     let height = usize::from(panel.height);
-    for y in 0..height {
+    for (y, line) in widths.chunks_mut(width.max(1)).enumerate() {
         let rows = y.saturating_sub(2)..(y + 3).min(height);
-        for x in 0..width {
+        for (x, out) in line.iter_mut().enumerate() {
             let sum = rows
                 .clone()
-                .map(|row| mass[row * width + x])
+                .map(|row| mass.get(row * width + x).copied().unwrap_or_default())
                 .fold(A::Mass::default(), A::add_mass);
-            widths[y * width + x] = A::width_of(sum);
+            *out = A::width_of(sum);
         }
     }
 }

@@ -25,6 +25,17 @@ pub struct Cell {
     pub density: LogCode,
 }
 
+impl Cell {
+    /// All codes zero: storage that no map has cleared yet.
+    pub const ZERO: Self = Self {
+        gx: LogCode(0),
+        gy: LogCode(0),
+        gt: LogCode(0),
+        lifetime: LogCode(0),
+        density: LogCode(0),
+    };
+}
+
 impl Default for Cell {
     /// Before the first tile: lifetime 1 s, slopes of 2^−4, 4 samples a pixel and second.
     fn default() -> Self {
@@ -101,8 +112,9 @@ impl<'a> TileMap<'a> {
     #[inline]
     #[must_use]
     pub fn at(&self, column: i32, row: i32) -> Cell {
-        let column = column.clamp(0, self.columns as i32 - 1) as usize;
-        let row = row.clamp(0, self.rows as i32 - 1) as usize;
+        // `clamp` would be a panic path for a map without cells.
+        let column = column.min(self.columns as i32 - 1).max(0) as usize;
+        let row = row.min(self.rows as i32 - 1).max(0) as usize;
         self.cells
             .get(row * self.columns + column)
             .copied()
