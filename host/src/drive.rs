@@ -1,5 +1,7 @@
 //! The host at work: simulated time, a sampler looking, a sender sending.
 
+use std::time::Instant;
+
 use glam::{Affine3A, Vec2, Vec3};
 use unframed_wire::{End, Hello, Status, TileNode, ledger::Ledger};
 
@@ -30,6 +32,22 @@ impl Eye for WorldEye<'_> {
     }
 }
 
+/// Adds up what passes.
+struct Clock(Instant);
+
+impl Clock {
+    fn new() -> Self {
+        Self(Instant::now())
+    }
+
+    /// Adds the time since the last lap.
+    fn lap(&mut self, sum: &mut f64) {
+        let now = Instant::now();
+        *sum += (now - self.0).as_secs_f64();
+        self.0 = now;
+    }
+}
+
 /// What happened up to a refresh.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Progress {
@@ -45,6 +63,29 @@ pub struct Progress {
     pub cut: bool,
 }
 
+/// Where a host's wall-clock time went since its beginning, seconds. Decides nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Spent {
+    /// Posing the scene and fitting its bounding volumes to each span.
+    pub scene: f64,
+    /// Rays and shading.
+    pub tracing: f64,
+    /// Moving the sampler's memory to a new view.
+    pub reprojection: f64,
+    /// Deciding where to look, learning from it, and tiles.
+    pub control: f64,
+    /// Quantising and packing.
+    pub stream: f64,
+}
+
+impl Spent {
+    /// All of it, seconds.
+    #[must_use]
+    pub fn total(&self) -> f64 {
+        self.scene + self.tracing + self.reprojection + self.control + self.stream
+    }
+}
+
 /// A host: a world, a sampler, a stream.
 ///
 /// Refresh `k` is that of the instant `(k + 1)·1000/refresh_millihertz` seconds; every sample
@@ -58,6 +99,8 @@ pub struct Host {
     now: f64,
     taken: u64,
     index: u32,
+    /// Without what the sampler counts itself.
+    spent: Spent,
 }
 
 impl std::fmt::Debug for Host {
@@ -83,6 +126,7 @@ impl Host {
             now: 0.0,
             taken: 0,
             index: 0,
+            spent: Spent::default(),
         }
     }
 
@@ -114,6 +158,19 @@ impl Host {
     #[must_use]
     pub fn shots(&self) -> &[Shot] {
         &self.shots
+    }
+
+    /// Where the time went so far.
+    #[must_use]
+    pub fn spent(&self) -> Spent {
+        let mut spent = self.spent;
+        if let Some(effort) = self.sampler.effort() {
+            let rest = spent.tracing - effort.tracing - effort.reprojection;
+            spent.control += rest.max(0.0);
+            spent.tracing = effort.tracing;
+            spent.reprojection = effort.reprojection;
+        }
+        spent
     }
 
     /// The instant of a refresh, seconds.
@@ -149,12 +206,15 @@ impl Host {
             let shots = due.saturating_sub(self.taken) as usize;
             self.taken = due;
             let before = self.shots.len();
+            let mut clock = Clock::new();
             self.world.prepare(t0, t1);
+            clock.lap(&mut self.spent.scene);
             self.sampler.epoch(
                 Span { t0, t1, shots },
                 &WorldEye(&self.world),
                 &mut self.shots,
             );
+            clock.lap(&mut self.spent.tracing);
             if let Some(time) = self.sampler.take_cut() {
                 progress.cut = true;
                 self.sender.cut(time, out)?;
@@ -164,10 +224,14 @@ impl Host {
             } else {
                 self.sender.samples(&self.shots[before..], out)?;
             }
+            clock.lap(&mut self.spent.stream);
         }
+        let mut clock = Clock::new();
         self.sampler
             .tiles(self.sender.hello().tile_fields, &mut self.tiles);
+        clock.lap(&mut self.spent.control);
         self.sender.refresh(&self.world, end, &self.tiles, out)?;
+        clock.lap(&mut self.spent.stream);
         for shot in &self.shots {
             progress.rays.primary += shot.hit.rays.primary;
             progress.rays.shadow += shot.hit.rays.shadow;

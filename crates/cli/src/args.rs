@@ -175,6 +175,17 @@ pub struct ScenesArgs {
     pub json: bool,
 }
 
+/// What an evaluation finds out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum EvalTable {
+    /// All methods at all rates.
+    Main,
+    /// What each part of `adaptive` is worth, at 400k: the method without it.
+    Ablation,
+    /// Whether a still picture converges within 5 s, and how fast a cut is forgotten.
+    Golden,
+}
+
 /// `unframed eval`
 #[derive(Debug, Clone, Args)]
 pub struct EvalArgs {
@@ -199,12 +210,16 @@ pub struct EvalArgs {
     /// Samples that a display remembers.
     #[arg(long, default_value = "400k", value_parser = parse_rate)]
     pub samples: u32,
-    /// Also measure ColorVideoVDP (0.1 s a refresh of 256x256).
+    /// What to find out, separated by commas.
+    #[arg(long, value_delimiter = ',', value_enum, default_value = "main")]
+    pub tables: Vec<EvalTable>,
+    /// Do not measure ColorVideoVDP (over the whole, of the first seed; 0.06 s a refresh of
+    /// 256x256).
     #[arg(long)]
-    pub cvvdp: bool,
-    /// Do not measure FLIP (0.02 s a refresh of 256x256).
-    #[arg(long)]
-    pub no_flip: bool,
+    pub no_cvvdp: bool,
+    /// Measure FLIP at every N-th refresh (0.015 s for one of 256x256); 0: never.
+    #[arg(long, value_name = "N", default_value_t = 4)]
+    pub flip_every: u32,
     /// Also find out how much of the error is age: at three refreshes all stored samples are
     /// traced again.
     #[arg(long)]

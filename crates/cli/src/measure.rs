@@ -152,7 +152,7 @@ pub fn measure(
     with_panel(&order, |panel, display| {
         let mut host = host(source, method, world);
         let options = SequenceOptions {
-            flip: true,
+            flip_every: 1,
             ..SequenceOptions::default()
         };
         let mut sequence = Sequence::new(width.into(), height.into(), options)?;

@@ -10,8 +10,8 @@ use crate::{Image, MetricError, SquaredError, Viewing};
 /// Which metrics to compute, and for which viewer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SequenceOptions {
-    /// Compute ꟻLIP at each refresh (tens of ms for 256 × 256).
-    pub flip: bool,
+    /// Compute ꟻLIP at every so many refreshes (15 ms for one of 256 × 256); 0 never.
+    pub flip_every: usize,
     /// Compute ColorVideoVDP over the whole (about as long as ꟻLIP again, or twice).
     pub video: bool,
     /// Refreshes a second, for ColorVideoVDP; in (0, 16384] Hz.
@@ -24,7 +24,7 @@ impl Default for SequenceOptions {
     /// RMSE and PSNR alone, 60 Hz.
     fn default() -> Self {
         Self {
-            flip: false,
+            flip_every: 0,
             video: false,
             refresh_rate: 60.0,
             viewing: Viewing::default(),
@@ -41,7 +41,7 @@ pub struct Refresh {
     pub rmse: f64,
     /// Peak signal-to-noise ratio, dB; infinite where nothing differs (null in JSON).
     pub psnr: f64,
-    /// Mean ꟻLIP error, 0..=1, if asked for.
+    /// Mean ꟻLIP error, 0..=1, if asked for at this refresh.
     pub flip: Option<f64>,
 }
 
@@ -54,7 +54,7 @@ pub struct Totals {
     pub rmse: f64,
     /// PSNR of that, dB; infinite where nothing differs (null in JSON).
     pub psnr: f64,
-    /// Mean over refreshes of mean ꟻLIP, 0..=1, if asked for.
+    /// Mean over refreshes of mean ꟻLIP, 0..=1, of those at which it was asked for.
     pub flip: Option<f64>,
     /// ColorVideoVDP's quality of the whole, JOD, at most 10, if asked for.
     pub cvvdp: Option<f64>,
@@ -124,7 +124,8 @@ impl Sequence {
         let ideal = Image::new(ideal, self.width, self.height)?;
         let shown = Image::new(shown, self.width, self.height)?;
         let error = SquaredError::between(ideal, shown)?;
-        let flip = if self.options.flip {
+        let every = self.options.flip_every;
+        let flip = if every > 0 && (self.refreshes.len() + 1).is_multiple_of(every) {
             Some(flip(ideal, shown, self.options.viewing)?)
         } else {
             None
@@ -233,7 +234,7 @@ mod tests {
     #[test]
     fn all_metrics_agree_that_blur_is_worse() {
         let options = SequenceOptions {
-            flip: true,
+            flip_every: 1,
             video: true,
             ..Default::default()
         };
@@ -258,6 +259,22 @@ mod tests {
             assert!(pair[0].flip < pair[1].flip);
             assert!(pair[0].cvvdp > pair[1].cvvdp);
             assert_eq!(pair[0].cvvdp_each.len(), 18);
+        }
+    }
+
+    #[test]
+    fn flip_is_measured_as_often_as_asked_for() {
+        for (every, expected) in [(0, [0, 0]), (1, [1, 1]), (2, [0, 1])] {
+            let options = SequenceOptions {
+                flip_every: every,
+                ..Default::default()
+            };
+            let mut sequence = Sequence::new(4, 4, options).unwrap();
+            let found = expected.map(|_| sequence.push(&grey(0), &grey(90), 0.0).unwrap().flip);
+            assert_eq!(found.map(|flip| usize::from(flip.is_some())), expected);
+            // A refresh without a number does not count as one without error.
+            let each = found.into_iter().flatten().next();
+            assert_eq!(sequence.finish().unwrap().flip, each);
         }
     }
 

@@ -97,6 +97,16 @@ pub struct Shot {
     pub hit: Hit,
 }
 
+/// Where the wall-clock time of a sampler's epochs went since its beginning, seconds; the rest is
+/// control: deciding where to look, and learning from it. Decides nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Effort {
+    /// Looking: rays and shading.
+    pub tracing: f64,
+    /// Moving what is remembered to a new view.
+    pub reprojection: f64,
+}
+
 /// A way of choosing where to look.
 pub trait Sampler: Send {
     /// Takes exactly `span.shots` shots in the order of time and appends them to `out`. Spans
@@ -122,6 +132,12 @@ pub trait Sampler: Send {
 
     /// The display's report.
     fn status(&mut self, _status: &Status) {}
+
+    /// Where the time of all epochs went; `None` if the sampler does not keep count: then it
+    /// counts as tracing.
+    fn effort(&self) -> Option<Effort> {
+        None
+    }
 }
 
 /// Where a planned shot goes.

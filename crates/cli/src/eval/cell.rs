@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
 use serde::{Deserialize, Serialize};
-use unframed_host::drive::Host;
+use unframed_host::drive::{Host, Spent};
 use unframed_host::framed::Framed;
 use unframed_host::stream::sender::Promise;
 use unframed_host::trace::World;
@@ -13,7 +13,7 @@ use unframed_metrics::{
     ErrorShares, Image, PixelClass, Sequence, SequenceOptions, SquaredError, Totals,
 };
 
-use super::ideals::Reference;
+use super::ideals::{Reference, instant};
 use super::methods::{EvalMethod, Setting, Way};
 use super::oracle::Oracle;
 use super::store::{Key, slug, write_whole};
@@ -23,19 +23,21 @@ use crate::panel::{Order, with_panel};
 use crate::report::Picture;
 
 /// Raise this when what a cell means changes: old files are not used any more.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// What all cells of an evaluation share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
     /// Panel size, pixels.
     pub size: Size,
-    /// Refreshes, all of which count.
+    /// Refreshes, all of which count from `first` on.
     pub refreshes: u32,
+    /// The first refresh that counts: 0 but where only what follows a cut is of interest.
+    pub first: u32,
     /// Samples that a display remembers.
     pub samples: u32,
-    /// Measure ꟻLIP.
-    pub flip: bool,
+    /// Measure ꟻLIP at every so many refreshes; 0 never.
+    pub flip_every: u32,
     /// Measure ColorVideoVDP.
     pub cvvdp: bool,
     /// Find out how much of the error is age.
@@ -46,7 +48,8 @@ impl Settings {
     /// The refreshes whose pictures are kept: three, spread evenly.
     #[must_use]
     pub fn kept(&self) -> Vec<u32> {
-        let mut kept: Vec<u32> = [1, 3, 5].map(|k| self.refreshes * k / 6).to_vec();
+        let counted = self.refreshes.saturating_sub(self.first);
+        let mut kept: Vec<u32> = [1, 3, 5].map(|k| self.first + counted * k / 6).to_vec();
         kept.dedup();
         kept
     }
@@ -100,6 +103,61 @@ pub struct ClassShare {
     pub area: f64,
 }
 
+/// Seconds on one core, by what they were spent on.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Spending {
+    /// Posing the scene.
+    pub scene: f64,
+    /// Rays and shading.
+    pub tracing: f64,
+    /// Moving the sampler's memory.
+    pub reprojection: f64,
+    /// Deciding and learning.
+    pub control: f64,
+    /// Quantising and packing.
+    pub stream: f64,
+}
+
+impl Spending {
+    /// Each with its name.
+    #[must_use]
+    pub fn parts(&self) -> [(&'static str, f64); 5] {
+        [
+            ("tracing", self.tracing),
+            ("reprojection", self.reprojection),
+            ("control", self.control),
+            ("stream", self.stream),
+            ("scene", self.scene),
+        ]
+    }
+
+    /// Reprojection and control as a share of all, 0..=1.
+    #[must_use]
+    pub fn overhead(&self) -> f64 {
+        let all: f64 = self.parts().iter().map(|part| part.1).sum();
+        (self.reprojection + self.control) / all.max(1e-12)
+    }
+}
+
+impl From<Spent> for Spending {
+    fn from(spent: Spent) -> Self {
+        let Spent {
+            scene,
+            tracing,
+            reprojection,
+            control,
+            stream,
+        } = spent;
+        Self {
+            scene,
+            tracing,
+            reprojection,
+            control,
+            stream,
+        }
+    }
+}
+
 /// A refresh's numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Point {
@@ -129,9 +187,9 @@ pub struct Cell {
     pub rmse: f64,
     /// Of that, dB; none where nothing differs.
     pub psnr: Option<f64>,
-    /// Mean ꟻLIP.
+    /// Mean ꟻLIP of the refreshes at which it was measured.
     pub flip: Option<f64>,
-    /// ColorVideoVDP over the whole, JOD, at most 10.
+    /// ColorVideoVDP over the whole, JOD, at most 10; of the first seed alone.
     pub cvvdp: Option<f64>,
     /// The worst refresh's.
     pub worst_rmse: f64,
@@ -147,6 +205,8 @@ pub struct Cell {
     pub seconds_host: f64,
     /// Seconds on one core that the display took.
     pub seconds_display: f64,
+    /// Where the renderer's seconds went; none of what has no stream.
+    pub spent: Option<Spending>,
     /// Instants at which the host announced a cut, seconds.
     pub cuts: Vec<f64>,
     /// Share of the squared error that would vanish if every stored sample were of the refresh
@@ -215,6 +275,7 @@ struct Run<'a> {
     stream_bytes: u64,
     seconds_host: f64,
     seconds_display: f64,
+    spent: Option<Spending>,
     cuts: Vec<f64>,
     /// Squared errors as shown and without age.
     causes: Option<(u64, u64)>,
@@ -224,7 +285,7 @@ impl<'a> Run<'a> {
     fn new(job: &'a Job, references: &'a [Reference], tick: &'a (dyn Fn() + Sync)) -> Result<Self> {
         let settings = &job.settings;
         let options = SequenceOptions {
-            flip: settings.flip,
+            flip_every: settings.flip_every as usize,
             video: settings.cvvdp,
             refresh_rate: REFRESH_HZ as f32,
             ..SequenceOptions::default()
@@ -242,6 +303,7 @@ impl<'a> Run<'a> {
             stream_bytes: 0,
             seconds_host: 0.0,
             seconds_display: 0.0,
+            spent: None,
             cuts: Vec::new(),
             causes: None,
         })
@@ -254,7 +316,10 @@ impl<'a> Run<'a> {
 
     /// Takes the picture of a refresh.
     fn score(&mut self, index: u32, shown: &[[u8; 3]]) -> Result<()> {
-        let reference = &self.references[index as usize];
+        (self.tick)();
+        let Some(reference) = self.reference(index) else {
+            return Ok(());
+        };
         self.sequence
             .push(&reference.image, shown, reference.time)?;
         let (ideal, image) = (self.image(&reference.image)?, self.image(shown)?);
@@ -263,16 +328,21 @@ impl<'a> Run<'a> {
             let picture = Picture::new(image.width(), image.height(), shown.to_vec())?;
             self.pictures.push((index, picture));
         }
-        (self.tick)();
         Ok(())
     }
 
+    /// What should be seen at a refresh; none before the first that counts.
+    fn reference(&self, index: u32) -> Option<&'a Reference> {
+        let counted = index.checked_sub(self.job.settings.first)?;
+        self.references.get(counted as usize)
+    }
+
     fn frames(&mut self, framed: &mut dyn Framed) -> Result<()> {
-        for (index, reference) in self.references.iter().enumerate() {
+        for index in 0..self.job.settings.refreshes {
             let clock = Instant::now();
-            framed.show(reference.time);
+            framed.show(instant(index));
             self.seconds_host += clock.elapsed().as_secs_f64();
-            self.score(index as u32, framed.picture())?;
+            self.score(index, framed.picture())?;
         }
         self.samples = framed.samples();
         Ok(())
@@ -307,7 +377,7 @@ impl<'a> Run<'a> {
         let mut oracle = (job.settings.causes && reprojects).then(|| Oracle::new(order));
         with_panel(&order, |panel, _| {
             let mut bytes = Vec::new();
-            for index in 0..self.references.len() as u32 {
+            for index in 0..self.job.settings.refreshes {
                 bytes.clear();
                 let clock = Instant::now();
                 let step = host.advance(&mut bytes)?;
@@ -321,7 +391,7 @@ impl<'a> Run<'a> {
                 self.seconds_display += clock.elapsed().as_secs_f64();
                 self.score(index, panel.picture())?;
                 if let Some(oracle) = &mut oracle {
-                    oracle.receive(&bytes, host.shots());
+                    oracle.receive(&bytes);
                     if self.kept.contains(&index) {
                         let fresh = oracle.picture(world, step.time)?;
                         self.compare_with_fresh(index, panel.picture(), &fresh)?;
@@ -340,6 +410,7 @@ impl<'a> Run<'a> {
             );
             Ok(())
         })?;
+        self.spent = Some(host.spent().into());
         self.samples = host.ledger().samples;
         self.stream_bytes = host.ledger().total_bytes();
         Ok(())
@@ -351,7 +422,10 @@ impl<'a> Run<'a> {
         shown: &[[u8; 3]],
         fresh: &[[u8; 3]],
     ) -> Result<()> {
-        let ideal = self.image(&self.references[index as usize].image)?;
+        let Some(reference) = self.reference(index) else {
+            return Ok(());
+        };
+        let ideal = self.image(&reference.image)?;
         let error =
             |pixels| -> Result<u64> { Ok(SquaredError::between(ideal, self.image(pixels)?)?.sum) };
         let (as_shown, without_age) = (error(shown)?, error(fresh)?);
@@ -386,6 +460,7 @@ impl<'a> Run<'a> {
             stream_bytes: self.stream_bytes,
             seconds_host: self.seconds_host,
             seconds_display: self.seconds_display,
+            spent: self.spent,
             cuts: self.cuts,
             stale: self
                 .causes

@@ -11,7 +11,7 @@ use unframed_metrics::PixelClass;
 use unframed_wire::SKY;
 
 use super::store::{Key, slug, write_whole};
-use crate::measure::{IDEAL_GRID, REFRESH_HZ};
+use crate::measure::REFRESH_HZ;
 use crate::report::picture::png_bytes;
 
 /// Raise this when the tracer or the classes change: old files are not used any more.
@@ -42,6 +42,7 @@ pub struct Cache {
     dir: PathBuf,
     width: u32,
     height: u32,
+    grid: u32,
 }
 
 /// The instant of a refresh, seconds.
@@ -51,19 +52,25 @@ pub fn instant(index: u32) -> f64 {
 }
 
 impl Cache {
-    /// Under `root`, for the scene of `world` (called `name`) at its size. Makes the directory.
+    /// Under `root`, for the scene of `world` (called `name`) at its size, with `grid` × `grid`
+    /// samples a pixel. Makes the directory.
     ///
     /// # Errors
     /// Names the directory.
-    pub fn new(root: &Path, name: &str, world: &World) -> Result<Self> {
+    pub fn new(root: &Path, name: &str, world: &World, grid: u32) -> Result<Self> {
         let [width, height] = world.size();
         let key = Key::of_scene(world.scene()).with(format_args!(
-            "{width} {height} {REFRESH_HZ} {IDEAL_GRID} {MOMENT_AGO} {VERSION}"
+            "{width} {height} {REFRESH_HZ} {grid} {MOMENT_AGO} {VERSION}"
         ));
         let dir = root.join(format!("{}-{key}", slug(name)));
         std::fs::create_dir_all(&dir)
             .with_context(|| format!("cannot make the directory {}", dir.display()))?;
-        Ok(Self { dir, width, height })
+        Ok(Self {
+            dir,
+            width,
+            height,
+            grid,
+        })
     }
 
     /// Where its files are.
@@ -96,7 +103,7 @@ impl Cache {
             return Ok(stored);
         }
         let time = instant(index);
-        let image = ideal(world, time, IDEAL_GRID);
+        let image = ideal(world, time, self.grid);
         let classes = classify(world, time, &image);
         let codes: Vec<u8> = classes.iter().map(|class| *class as u8).collect();
         write_whole(&self.class_path(index), &codes)?;

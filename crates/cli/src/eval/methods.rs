@@ -6,12 +6,13 @@ use std::str::FromStr;
 use glam::UVec2;
 use unframed_host::framed::{Framed, Frames, Taau, Tuning, Upscale};
 use unframed_host::sampler::Sampler;
-use unframed_host::sampler::adaptive;
+use unframed_host::sampler::adaptive::{self, Adaptive};
 use unframed_host::trace::World;
 use unframed_recon::Config;
 use unframed_recon::config::Lifetime;
 use unframed_wire::{Layout, TileFields};
 
+use super::parts::Part;
 use super::unmoved::Unmoved;
 use crate::method::Method;
 
@@ -40,6 +41,8 @@ pub enum EvalMethod {
     Framed60Tenfold,
     /// Full resolution at 60 Hz in no time.
     Framed60TenfoldNoDelay,
+    /// `adaptive` with a part left out.
+    Without(Part),
 }
 
 /// Names that are known, and their methods.
@@ -126,18 +129,48 @@ impl Setting {
 const UNIFORM_LIFETIME: i16 = -192;
 
 impl EvalMethod {
-    /// All, in the order of the tables.
+    /// All whole methods, in the order of the tables.
     pub fn all() -> impl Iterator<Item = Self> {
         NAMES.iter().map(|entry| entry.0)
+    }
+
+    /// `adaptive` without this and without that.
+    pub fn ablations() -> impl Iterator<Item = Self> {
+        let reprojections = [
+            Self::AdaptiveNoSamplerReprojection,
+            Self::AdaptiveNoDisplayReprojection,
+        ];
+        reprojections
+            .into_iter()
+            .chain(Part::all().map(Self::Without))
+    }
+
+    /// Everything that has a name.
+    pub fn known() -> impl Iterator<Item = Self> {
+        Self::all().chain(Part::all().map(Self::Without))
     }
 
     /// Its name.
     #[must_use]
     pub fn name(self) -> &'static str {
+        if let Self::Without(part) = self {
+            return part.name();
+        }
         NAMES
             .iter()
             .find(|entry| entry.0 == self)
             .map_or("", |entry| entry.1)
+    }
+
+    /// What of `adaptive` is different, of its ablations.
+    #[must_use]
+    pub fn instead(self) -> Option<&'static str> {
+        match self {
+            Self::Without(part) => Some(part.instead()),
+            Self::AdaptiveNoSamplerReprojection => Some("the sampler is told that nothing moves"),
+            Self::AdaptiveNoDisplayReprojection => Some("samples stay where they fell"),
+            _ => None,
+        }
     }
 
     /// Whether it takes a sample for each pixel and refresh, whatever rate is asked for.
@@ -170,11 +203,7 @@ impl EvalMethod {
     #[must_use]
     pub fn fingerprint(self) -> String {
         let stream = match self.method() {
-            Some(method) => format!(
-                "{:?} {:?}",
-                self.display(method),
-                adaptive::Config::default()
-            ),
+            Some(method) => format!("{:?} {:?}", self.display(method), self.knobs(0)),
             None => String::new(),
         };
         format!("{} {:?} {stream}", self.name(), self.settings())
@@ -185,7 +214,10 @@ impl EvalMethod {
     pub fn way(self, world: &World, rate: u32, seed: u64, setting: Setting) -> Way {
         let size = UVec2::from(world.size());
         if let Some(method) = self.method() {
-            let sampler = method.sampler(size, seed);
+            let sampler = match self {
+                Self::Without(_) => Box::new(Adaptive::new(size, self.knobs(seed))),
+                _ => method.sampler(size, seed),
+            };
             let unmoved = self == Self::AdaptiveNoSamplerReprojection;
             return Way::Stream {
                 sampler: if unmoved {
@@ -224,12 +256,25 @@ impl EvalMethod {
             Self::UniformSameDisplay => Some(Method::UniformSameDisplay),
             Self::Adaptive
             | Self::AdaptiveNoSamplerReprojection
-            | Self::AdaptiveNoDisplayReprojection => Some(Method::Adaptive),
+            | Self::AdaptiveNoDisplayReprojection
+            | Self::Without(_) => Some(Method::Adaptive),
             Self::Framed60LowRes
             | Self::FramedFull
             | Self::Taau
             | Self::Framed60Tenfold
             | Self::Framed60TenfoldNoDelay => None,
+        }
+    }
+
+    /// The knobs of the adaptive sampler.
+    fn knobs(self, seed: u64) -> adaptive::Config {
+        let knobs = adaptive::Config {
+            seed,
+            ..Default::default()
+        };
+        match self {
+            Self::Without(part) => part.sampler(knobs),
+            _ => knobs,
         }
     }
 
@@ -244,6 +289,7 @@ impl EvalMethod {
                 reproject: false,
                 ..display
             },
+            Self::Without(part) => part.display(display),
             _ => display,
         }
     }
@@ -262,12 +308,10 @@ impl FromStr for EvalMethod {
         if name == "paper" {
             return Err(MethodError::NoPaper);
         }
-        NAMES
-            .iter()
-            .find(|entry| entry.1 == name)
-            .map(|entry| entry.0)
+        Self::known()
+            .find(|method| method.name() == name)
             .ok_or_else(|| {
-                let all: Vec<&str> = NAMES.iter().map(|entry| entry.1).collect();
+                let all: Vec<&str> = Self::known().map(Self::name).collect();
                 MethodError::Unknown {
                     name: name.to_owned(),
                     all: all.join(", "),

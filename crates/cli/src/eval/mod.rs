@@ -5,15 +5,20 @@
 //! [`ideals`] (what should be seen, cached) → [`cell`] (what a method showed, [`methods`] and
 //! [`unmoved`] being the ways to show something) → [`store`] (a file a finished cell, so that
 //! nothing is computed twice) → [`table`] (means over seeds, ratios, CSV, JSON) → [`page`].
-//! [`schedule`] runs the cells on all cores; each cell has one, so that its seconds mean
-//! something and its result cannot depend on the others. [`oracle`] says how much of an error is
-//! age.
+//! [`plan`] says which cells there are ([`parts`] of `adaptive` left out, [`probes`] that ask one
+//! question), [`checks`] what of the promises holds. [`schedule`] runs the cells on all cores;
+//! each cell has one, so that its seconds mean something and its result cannot depend on the
+//! others. [`oracle`] says how much of an error is age.
 
 pub mod cell;
+pub mod checks;
 pub mod ideals;
 pub mod methods;
 pub mod oracle;
 pub mod page;
+pub mod parts;
+pub mod plan;
+pub mod probes;
 pub mod schedule;
 pub mod store;
 pub mod table;

@@ -5,12 +5,14 @@
 use std::collections::{BTreeMap, VecDeque};
 
 use anyhow::{Context, Result};
+use glam::DVec3;
 use rayon::prelude::*;
-use unframed_host::sampler::Shot;
-use unframed_host::trace::{Hit, World, srgb};
+use unframed_host::trace::{World, srgb};
 use unframed_recon::heap::HeapStorage;
 use unframed_recon::{Display, Fixed};
-use unframed_wire::{Hello, Packet, Pose, Receiver, Refresh, SKY, Tick, Tile, View, WorldSample};
+use unframed_wire::{
+    Hello, Packet, Pose, Receiver, Refresh, SKY, Tick, Tile, View, WorldFrame, WorldSample,
+};
 
 use crate::panel::Order;
 
@@ -26,8 +28,9 @@ pub struct Oracle {
     poses: BTreeMap<u8, Pose>,
     tiles: Vec<Tile>,
     refresh: Option<Refresh>,
-    /// As received, with the hit that was sent; the newest last, as many as a display remembers.
-    samples: VecDeque<(Tick, WorldSample, Hit)>,
+    /// As received; the newest last, as many as a display remembers. A packet's samples stand in
+    /// the order of their places, not of their shots: each says itself where it belongs.
+    samples: VecDeque<(Tick, WorldSample)>,
 }
 
 impl Oracle {
@@ -46,9 +49,8 @@ impl Oracle {
         }
     }
 
-    /// Takes the bytes up to a refresh and the shots that went into them.
-    pub fn receive(&mut self, mut bytes: &[u8], shots: &[Shot]) {
-        let mut arrived: Vec<(Tick, WorldSample)> = Vec::new();
+    /// Takes the bytes up to a refresh.
+    pub fn receive(&mut self, mut bytes: &[u8]) {
         let mut fresh_tiles: Vec<Tile> = Vec::new();
         while let Some(packet) = self.receiver.push(&mut bytes) {
             match packet {
@@ -60,12 +62,9 @@ impl Oracle {
                 Packet::Tiles(tiles) => fresh_tiles.extend(tiles),
                 Packet::World(samples) => {
                     let time = samples.time();
-                    arrived.extend(samples.map(|sample| (time, sample)));
+                    self.samples.extend(samples.map(|sample| (time, sample)));
                 }
-                Packet::Cut(_) => {
-                    self.samples.clear();
-                    arrived.clear();
-                }
+                Packet::Cut(_) => self.samples.clear(),
                 Packet::Refresh(refresh) => self.refresh = Some(refresh),
                 _ => {}
             }
@@ -73,11 +72,6 @@ impl Oracle {
         if !fresh_tiles.is_empty() {
             self.tiles = fresh_tiles;
         }
-        // What was seen before a cut was not sent: the last ones were.
-        let sent = &shots[shots.len().saturating_sub(arrived.len())..];
-        let joined = arrived.into_iter().zip(sent);
-        self.samples
-            .extend(joined.map(|((time, sample), shot)| (time, sample, shot.hit)));
         let surplus = self
             .samples
             .len()
@@ -95,21 +89,17 @@ impl Oracle {
         world.prepare(time, time);
         let moment = world.moment(time);
         let camera = *moment.camera();
-        let poses: Vec<_> = (0..world.object_count())
-            .map(|k| world.pose(k as u8, time))
-            .collect();
-        let again = |(index, hit): (usize, &Hit)| {
-            let offset = match poses.get(usize::from(hit.object)) {
-                Some(pose) if hit.object != SKY => pose.transform_point3(hit.local) - camera.eye,
-                _ => hit.local,
-            };
+        let frame = self.hello.context("no Hello has come yet")?.world;
+        let again = |(index, (_, sample)): (usize, &(Tick, WorldSample))| {
+            let place = metres(self.poses.get(&sample.object)?, sample.place, &frame);
+            let offset = (place - camera.eye.as_dvec3()).as_vec3();
             let (_, depth) = camera.project_direction(offset)?;
             let now = moment.look_along(offset / depth, index as u32);
-            let there = hit.object == SKY || (now.depth - depth).abs() <= SAME_DEPTH * depth;
-            (there && now.object == hit.object).then(|| srgb::encode8(now.colour))
+            let there = sample.object == SKY || (now.depth - depth).abs() <= SAME_DEPTH * depth;
+            (there && now.object == sample.object).then(|| srgb::encode8(now.colour))
         };
-        let hits: Vec<Hit> = self.samples.iter().map(|sample| sample.2).collect();
-        let colours: Vec<Option<[u8; 3]>> = hits.par_iter().enumerate().map(again).collect();
+        let samples: Vec<(Tick, WorldSample)> = self.samples.iter().copied().collect();
+        let colours: Vec<Option<[u8; 3]>> = samples.par_iter().enumerate().map(again).collect();
 
         let Order {
             config,
@@ -130,11 +120,23 @@ impl Oracle {
         }
         self.poses.values().for_each(|pose| display.pose(pose));
         self.tiles.iter().for_each(|tile| display.tile(tile));
-        for ((time, sample, _), colour) in self.samples.iter().zip(colours) {
+        for ((time, sample), colour) in self.samples.iter().zip(colours) {
             let rgb = colour.unwrap_or(sample.rgb);
             display.world_sample(*time, &WorldSample { rgb, ..*sample });
         }
         display.refresh(&refresh);
         Ok(display.picture().to_vec())
     }
+}
+
+/// Where a lattice point of an object is, metres in the author's coordinates.
+fn metres(pose: &Pose, place: [i16; 3], frame: &WorldFrame) -> DVec3 {
+    let one = f64::from(pose.frac_bits).exp2();
+    let units: [f64; 3] = std::array::from_fn(|k| {
+        let row = pose.matrix[k].iter().zip(place);
+        let sum: f64 = row.map(|(m, q)| f64::from(*m) * f64::from(q)).sum();
+        f64::from(pose.translation[k]) + sum / one
+    });
+    let origin = DVec3::from(frame.origin.map(f64::from));
+    origin + DVec3::from(units) * f64::from(frame.unit)
 }

@@ -40,31 +40,55 @@ pub struct Workshop<'a> {
     pub begin: Instant,
 }
 
+/// A job and what it needs.
+#[derive(Clone, Copy)]
+pub struct Task<'a> {
+    /// What to do.
+    pub job: &'a Job,
+    /// The scene.
+    pub world: &'a World,
+    /// What should be seen, from the first refresh that counts on.
+    pub references: &'a [Reference],
+}
+
+impl Task<'_> {
+    /// About how long it takes, in no unit.
+    fn weight(&self) -> f64 {
+        let settings = self.job.method.settings().len();
+        // A refresh costs the display about as much as half a million samples cost a host in a
+        // second.
+        f64::from(self.job.settings.refreshes) * (f64::from(self.job.rate) + 5e5) * settings as f64
+    }
+}
+
 impl Workshop<'_> {
-    /// Runs jobs of one scene; the results are in the order of the jobs, whatever the number of
-    /// workers. Each is on disk as soon as it is done.
+    /// Runs tasks, the longest first, so that no worker waits long for the last; the results are
+    /// in the order of the tasks, whatever the number of workers. Each is on disk as soon as it
+    /// is done.
     ///
     /// # Errors
-    /// The first in the order of the jobs; those after it may not have run.
-    pub fn run(&self, jobs: &[Job], world: &World, references: &[Reference]) -> Result<Vec<Cell>> {
+    /// One of those that failed; others may not have run.
+    pub fn run(&self, tasks: &[Task<'_>]) -> Result<Vec<Cell>> {
+        let mut order: Vec<usize> = (0..tasks.len()).collect();
+        order.sort_by(|a, b| tasks[*b].weight().total_cmp(&tasks[*a].weight()));
         let next = AtomicUsize::new(0);
         let done: Vec<Mutex<Option<Result<Cell>>>> =
-            jobs.iter().map(|_| Mutex::default()).collect();
+            tasks.iter().map(|_| Mutex::default()).collect();
         std::thread::scope(|scope| -> Result<()> {
-            for _ in 0..self.threads.clamp(1, jobs.len().max(1)) {
-                // One thread, so that no job waits inside another one's work.
+            for _ in 0..self.threads.clamp(1, tasks.len().max(1)) {
+                // One thread, so that no task waits inside another one's work.
                 let pool = rayon::ThreadPoolBuilder::new()
                     .num_threads(1)
                     .build()
                     .context("cannot start a worker")?;
-                let (next, done) = (&next, &done);
+                let (next, done, order) = (&next, &done, &order);
                 scope.spawn(move || {
                     loop {
-                        let index = next.fetch_add(1, Ordering::Relaxed);
-                        let Some(job) = jobs.get(index) else { break };
-                        let result = pool.install(|| self.one(job, world, references));
+                        let turn = next.fetch_add(1, Ordering::Relaxed);
+                        let Some(&index) = order.get(turn) else { break };
+                        let result = pool.install(|| self.one(&tasks[index]));
                         if result.is_err() {
-                            next.store(jobs.len(), Ordering::Relaxed);
+                            next.store(tasks.len(), Ordering::Relaxed);
                         }
                         let slot = &done[index];
                         *slot.lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
@@ -77,11 +101,16 @@ impl Workshop<'_> {
             .into_iter()
             .filter_map(|slot| slot.into_inner().unwrap_or_else(PoisonError::into_inner));
         let cells = results.collect::<Result<Vec<Cell>>>()?;
-        anyhow::ensure!(cells.len() == jobs.len(), "a worker died");
+        anyhow::ensure!(cells.len() == tasks.len(), "a worker died");
         Ok(cells)
     }
 
-    fn one(&self, job: &Job, world: &World, references: &[Reference]) -> Result<Cell> {
+    fn one(&self, task: &Task<'_>) -> Result<Cell> {
+        let Task {
+            job,
+            world,
+            references,
+        } = *task;
         let tick = || self.progress.inc(1);
         let stem = self.dir.join(job.file_stem());
         let cell = cell::run(job, world, references, &stem, self.build, &tick)

@@ -3,8 +3,10 @@
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::cell::{Cell, ClassShare};
+use super::cell::{Cell, ClassShare, Spending};
 use super::methods::EvalMethod;
+use super::plan;
+use super::probes::{Convergence, Recovery};
 
 /// A method on a scene at a rate: the mean over its seeds, and their spread.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -27,7 +29,7 @@ pub struct Row {
     pub psnr: Option<f64>,
     /// Mean ꟻLIP.
     pub flip: Option<f64>,
-    /// ColorVideoVDP, JOD.
+    /// ColorVideoVDP, JOD, of the first seed.
     pub cvvdp: Option<f64>,
     /// The worst refresh of any seed.
     pub worst_rmse: f64,
@@ -41,6 +43,10 @@ pub struct Row {
     pub seconds_host: f64,
     /// Seconds on one core of the display.
     pub seconds_display: f64,
+    /// What the renderer's seconds were spent on; none without a stream.
+    pub spent: Option<Spending>,
+    /// Share of the renderer's seconds that is not tracing, stream or scene, 0..=1.
+    pub overhead: Option<f64>,
     /// The setting that did best with the first seed, of methods that have several.
     pub setting: String,
     /// Milliseconds from each announced cut (of the first seed) until the RMSE is back at 1.2
@@ -72,9 +78,10 @@ fn row(group: &[&Cell]) -> Row {
     let first = group[0];
     let count = group.len() as f64;
     let mean = |value: fn(&Cell) -> f64| group.iter().map(|c| value(c)).sum::<f64>() / count;
+    // Of the seeds that have it: some measures are of the first alone.
     let maybe = |value: fn(&Cell) -> Option<f64>| {
-        let values: Option<Vec<f64>> = group.iter().map(|c| value(c)).collect();
-        values.map(|v| v.iter().sum::<f64>() / count)
+        let values: Vec<f64> = group.iter().filter_map(|c| value(c)).collect();
+        (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
     };
     let rmse = mean(|c| c.rmse);
     let class = |(i, share): (usize, &ClassShare)| ClassShare {
@@ -100,6 +107,8 @@ fn row(group: &[&Cell]) -> Row {
             .then(|| first.stream_bytes as f64 / first.samples.max(1) as f64),
         seconds_host: mean(|c| c.seconds_host),
         seconds_display: mean(|c| c.seconds_display),
+        spent: first.spent,
+        overhead: maybe(|c| c.spent.map(|spent| spent.overhead())),
         setting: first.setting.clone(),
         recovery_ms: first
             .cuts
@@ -226,10 +235,136 @@ fn verdict(bound: &Bound, adaptive: &Row, other: &Row) -> Verdict {
     }
 }
 
-/// All of it: the rows as `cells`, the claims, each seed's numbers over time as `runs`.
+/// The greatest share of the renderer's time that control may take (Dayal et al. 2005 §7.1).
+pub const OVERHEAD_LIMIT: f64 = 0.15;
+
+/// What leaving a part out changes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Ablation {
+    /// The scene as typed.
+    pub scene: String,
+    /// The method without the part.
+    pub method: String,
+    /// What is different without it.
+    pub instead: &'static str,
+    /// Camera samples a second.
+    pub rate: u32,
+    /// RMSE over that of `adaptive`, less 1: above 0 the part helps.
+    pub rmse_change: f64,
+    /// Half the spread over seeds of either, over the RMSE of `adaptive`: changes below it are
+    /// noise. None of one seed.
+    pub noise: Option<f64>,
+    /// The renderer's seconds over those of `adaptive`, less 1: below 0 the part costs time.
+    pub host_change: f64,
+    /// The same of the display's.
+    pub display_change: f64,
+}
+
+/// The parts that were left out, scene by scene.
 #[must_use]
-pub fn report(rows: &[Row], verdicts: &[Verdict], cells: &[Cell], facts: Value) -> Value {
-    json!({ "settings": facts, "cells": rows, "bounds": verdicts, "runs": cells })
+pub fn ablations(rows: &[Row]) -> Vec<Ablation> {
+    let mut found = Vec::new();
+    for row in rows {
+        let Some(method) = EvalMethod::ablations().find(|m| m.name() == row.method) else {
+            continue;
+        };
+        let whole = rows.iter().find(|whole| {
+            whole.method == EvalMethod::Adaptive.name()
+                && (&whole.scene, whole.rate) == (&row.scene, row.rate)
+        });
+        let Some(whole) = whole else { continue };
+        let spread = |row: &Row| 0.5 * (row.rmse_max - row.rmse_min);
+        found.push(Ablation {
+            scene: row.scene.clone(),
+            method: row.method.clone(),
+            instead: method.instead().unwrap_or(""),
+            rate: row.rate,
+            rmse_change: row.rmse / whole.rmse - 1.0,
+            noise: (row.seeds > 1).then(|| spread(row).max(spread(whole)) / whole.rmse),
+            host_change: row.seconds_host / whole.seconds_host - 1.0,
+            display_change: row.seconds_display / whole.seconds_display - 1.0,
+        });
+    }
+    found
+}
+
+/// Stills and cuts among the cells.
+#[must_use]
+pub fn probed(cells: &[Cell], scenes: &[String]) -> (Vec<Convergence>, Vec<Recovery>) {
+    let (mut stills, mut cuts) = (Vec::new(), Vec::new());
+    for scene in scenes {
+        let still = plan::still_name(scene);
+        stills.extend(
+            cells
+                .iter()
+                .filter(|c| c.scene == still)
+                .map(Convergence::of),
+        );
+        let (cut, steady) = (plan::cut_name(scene), plan::steady_name(scene));
+        for cell in cells.iter().filter(|c| c.scene == cut) {
+            let same = |c: &&Cell| {
+                c.scene == steady
+                    && (&c.method, c.rate, c.seed) == (&cell.method, cell.rate, cell.seed)
+            };
+            cuts.extend(
+                cells
+                    .iter()
+                    .find(same)
+                    .map(|steady| Recovery::of(cell, steady)),
+            );
+        }
+    }
+    (stills, cuts)
+}
+
+/// All that was found out.
+#[derive(Clone, Debug, Default)]
+pub struct Found {
+    /// Means over seeds.
+    pub rows: Vec<Row>,
+    /// Claims.
+    pub verdicts: Vec<Verdict>,
+    /// What parts are worth.
+    pub ablations: Vec<Ablation>,
+    /// What became of still pictures.
+    pub stills: Vec<Convergence>,
+    /// How cuts were forgotten.
+    pub cuts: Vec<Recovery>,
+}
+
+impl Found {
+    /// From cells of `scenes` (as typed).
+    #[must_use]
+    pub fn new(cells: &[Cell], scenes: &[String]) -> Self {
+        let (stills, cuts) = probed(cells, scenes);
+        let whole: Vec<Cell> = cells
+            .iter()
+            .filter(|cell| scenes.contains(&cell.scene))
+            .cloned()
+            .collect();
+        let rows = rows(&whole);
+        Self {
+            verdicts: verdicts(&rows),
+            ablations: ablations(&rows),
+            rows,
+            stills,
+            cuts,
+        }
+    }
+
+    /// As JSON: the rows as `cells`, the claims, each seed's numbers over time as `runs`.
+    #[must_use]
+    pub fn report(&self, cells: &[Cell], facts: Value) -> Value {
+        json!({
+            "settings": facts,
+            "cells": self.rows,
+            "bounds": self.verdicts,
+            "ablations": self.ablations,
+            "golden": self.stills,
+            "recovery": self.cuts,
+            "runs": cells,
+        })
+    }
 }
 
 /// The rows as comma-separated values (RFC 4180), with a line of heads.
@@ -237,7 +372,7 @@ pub fn report(rows: &[Row], verdicts: &[Verdict], cells: &[Cell], facts: Value) 
 pub fn csv(rows: &[Row]) -> String {
     let mut out = String::from(
         "scene,method,rate,seeds,rmse,rmse_min,rmse_max,psnr,flip,cvvdp,worst_rmse,p95_rmse,\
-         samples,bytes_per_sample,seconds_host,seconds_display,stale\r\n",
+         samples,bytes_per_sample,seconds_host,seconds_display,overhead,stale\r\n",
     );
     let maybe = |value: Option<f64>| value.map(|v| v.to_string()).unwrap_or_default();
     for r in rows {
@@ -258,6 +393,7 @@ pub fn csv(rows: &[Row]) -> String {
             maybe(r.bytes_per_sample),
             r.seconds_host.to_string(),
             r.seconds_display.to_string(),
+            maybe(r.overhead),
             maybe(r.stale),
         ];
         out += &cells.join(",");

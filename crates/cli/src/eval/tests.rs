@@ -9,11 +9,12 @@ use unframed_host::trace::{World, ideal};
 use unframed_metrics::PixelClass;
 
 use super::ideals::classify;
-use super::schedule::{Workshop, cell_path, finished};
+use super::schedule::{Task, Workshop, cell_path, finished};
 use super::store::{Key, slug, write_whole};
 use super::table::{csv, rows, verdicts};
 use super::{Cache, Cell, EvalMethod, Job, Reference, Settings};
 use crate::args::Size;
+use crate::measure::IDEAL_GRID;
 
 const SIZE: [u32; 2] = [48, 32];
 
@@ -28,8 +29,9 @@ fn settings() -> Settings {
             height: 32,
         },
         refreshes: 6,
+        first: 0,
         samples: 4000,
-        flip: true,
+        flip_every: 1,
         cvvdp: false,
         causes: true,
     }
@@ -52,7 +54,7 @@ fn job(method: EvalMethod) -> Job {
 }
 
 fn references(root: &Path, world: &World) -> Vec<Reference> {
-    let cache = Cache::new(root, "toycar", world).unwrap();
+    let cache = Cache::new(root, "toycar", world, IDEAL_GRID).unwrap();
     (0..6)
         .map(|i| cache.reference(&mut world.clone(), i).unwrap())
         .collect()
@@ -69,7 +71,14 @@ fn run(dir: &Path, threads: usize, jobs: &[Job], world: &World, refs: &[Referenc
         progress: &progress,
         begin,
     };
-    workshop.run(jobs, world, refs).unwrap()
+    let task = |job| Task {
+        job,
+        world,
+        references: refs,
+    };
+    workshop
+        .run(&jobs.iter().map(task).collect::<Vec<_>>())
+        .unwrap()
 }
 
 /// Without what may differ from run to run.
@@ -77,6 +86,7 @@ fn timeless(cell: &Cell) -> Cell {
     Cell {
         seconds_host: 0.0,
         seconds_display: 0.0,
+        spent: None,
         ..cell.clone()
     }
 }
@@ -136,7 +146,7 @@ fn every_method_runs_alike_on_any_number_of_workers_and_counts_its_samples() {
 fn the_parts_of_reprojection_change_what_they_claim_to() {
     let dir = tempfile::tempdir().unwrap();
     let world = World::new(builtin("interactive").unwrap(), SIZE).unwrap();
-    let cache = Cache::new(dir.path(), "interactive", &world).unwrap();
+    let cache = Cache::new(dir.path(), "interactive", &world, IDEAL_GRID).unwrap();
     // Long enough for the camera to have moved.
     let refs: Vec<Reference> = (0..45)
         .map(|i| cache.reference(&mut world.clone(), i).unwrap())
@@ -150,7 +160,7 @@ fn the_parts_of_reprojection_change_what_they_claim_to() {
         scene: "interactive".to_owned(),
         settings: Settings {
             refreshes: 45,
-            flip: false,
+            flip_every: 0,
             causes: false,
             ..settings()
         },
@@ -177,7 +187,8 @@ fn a_key_is_of_all_that_decides_the_result() {
     differ(&|j| j.settings.refreshes += 1);
     differ(&|j| j.settings.samples += 1);
     differ(&|j| j.settings.size.width += 1);
-    differ(&|j| j.settings.flip = false);
+    differ(&|j| j.settings.flip_every = 2);
+    differ(&|j| j.settings.first += 1);
     differ(&|j| j.settings.cvvdp = true);
     differ(&|j| j.scene_key = "0".repeat(16));
     let count = stems.len();
@@ -202,11 +213,11 @@ fn a_key_is_of_all_that_decides_the_result() {
 fn ideals_are_computed_once_and_damaged_files_again() {
     let dir = tempfile::tempdir().unwrap();
     let world = world("toycar");
-    let cache = Cache::new(dir.path(), "toycar", &world).unwrap();
+    let cache = Cache::new(dir.path(), "toycar", &world, IDEAL_GRID).unwrap();
     assert!(cache.stored(2).is_none());
     let made = cache.reference(&mut world.clone(), 2).unwrap();
     assert_eq!(cache.stored(2).as_ref(), Some(&made));
-    assert!(made.image == ideal(&mut world.clone(), 3.0 / 60.0, crate::measure::IDEAL_GRID));
+    assert!(made.image == ideal(&mut world.clone(), 3.0 / 60.0, IDEAL_GRID));
     // What is stored is taken for true: it is not made again.
     let path = cache.dir().join("ideal-00002.png");
     let other = crate::report::picture::png_bytes(48, 32, &[[7; 3]; 48 * 32]).unwrap();
@@ -221,7 +232,9 @@ fn ideals_are_computed_once_and_damaged_files_again() {
     // Another size is another directory.
     let large = World::new(builtin("toycar").unwrap(), [64, 32]).unwrap();
     assert_ne!(
-        Cache::new(dir.path(), "toycar", &large).unwrap().dir(),
+        Cache::new(dir.path(), "toycar", &large, IDEAL_GRID)
+            .unwrap()
+            .dir(),
         cache.dir()
     );
 }
@@ -274,6 +287,7 @@ fn claims_are_ratios_of_means_over_seeds() {
         stream_bytes: 0,
         seconds_host: 1.0,
         seconds_display: 1.0,
+        spent: None,
         cuts: vec![0.25],
         stale: None,
         classes: Vec::new(),

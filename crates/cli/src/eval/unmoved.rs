@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
 use glam::{Affine3A, UVec2, Vec2, Vec3};
-use unframed_host::sampler::{Eye, Sampler, Shot, Span};
+use unframed_host::sampler::{Effort, Eye, Sampler, Shot, Span};
 use unframed_host::trace::Hit;
 use unframed_host::trace::camera::Camera;
 use unframed_wire::{SKY, Status, TileFields, TileNode};
@@ -65,6 +65,10 @@ impl Sampler for Unmoved {
 
     fn take_cut(&mut self) -> Option<f64> {
         self.inner.take_cut()
+    }
+
+    fn effort(&self) -> Option<Effort> {
+        self.inner.effort()
     }
 
     fn status(&mut self, status: &Status) {

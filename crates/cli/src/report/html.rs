@@ -255,7 +255,8 @@ fn caption_html(name: &str, caption: &str) -> String {
     }
 }
 
-/// A table: a row of heads, then rows of cells. Columns of numbers are set flush right.
+/// A table: a row of heads, then rows of cells. Columns of numbers are set flush right; cells
+/// that begin with ✓ or ✗ stand out.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
     caption: String,
@@ -305,8 +306,13 @@ impl Table {
         let line = |cells: &[String], tag: &str, class: &str| {
             let mut out = format!("<tr{class}>");
             for (c, numeric) in numeric.iter().enumerate() {
-                let align = if *numeric { " class=\"n\"" } else { "" };
                 let cell = cells.get(c).map(|s| escape(s)).unwrap_or_default();
+                let align = match cell.chars().next() {
+                    Some('✓') => " class=\"ok\"",
+                    Some('✗') => " class=\"bad\"",
+                    _ if *numeric => " class=\"n\"",
+                    _ => "",
+                };
                 out += &format!("<{tag}{align}>{cell}</{tag}>");
             }
             out + "</tr>\n"

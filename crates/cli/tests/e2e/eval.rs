@@ -9,7 +9,17 @@ fn eval(out: &Path, more: &[&str]) -> Value {
     let json = out.join("numbers.json");
     let (out, file) = (out.to_str().unwrap(), json.to_str().unwrap());
     let words = ["eval", "toycar", "--size", "32x32", "--rates", "5k,10k"];
-    let always = ["--samples", "2k", "--no-flip", "--out", out, "--json", file];
+    let always = [
+        "--samples",
+        "2k",
+        "--flip-every",
+        "0",
+        "--no-cvvdp",
+        "--out",
+        out,
+        "--json",
+        file,
+    ];
     succeed(words.iter().chain(&always).chain(more));
     serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap()
 }

@@ -28,7 +28,7 @@ use super::kdtree::{self, Map, log_code};
 use super::noise::{R2, Random, golden_stride, hash};
 use super::srgb::{displayed, squared_difference};
 use super::uniform::within;
-use super::{Aim, Eye, Plan, Sampler, Seen, Shot, Span, trace};
+use super::{Aim, Effort, Eye, Plan, Sampler, Seen, Shot, Span, trace};
 use alarm::Alarm;
 use cells::{Cells, Fading, Fresh, NONE};
 pub use config::Config;
@@ -547,6 +547,14 @@ impl Sampler for Adaptive {
 
     fn take_cut(&mut self) -> Option<f64> {
         self.cut.take()
+    }
+
+    fn effort(&self) -> Option<Effort> {
+        let [reprojection, _, tracing, _] = self.stats.seconds;
+        Some(Effort {
+            tracing,
+            reprojection,
+        })
     }
 }
 

@@ -1,0 +1,166 @@
+//! What parts are worth; still pictures and cuts.
+
+use std::path::Path;
+
+use anyhow::Result;
+
+use super::{Findings, scenes, short};
+use crate::eval::cell::Cell;
+use crate::eval::methods::EvalMethod;
+use crate::eval::probes::{CUT_AT, RECOVERED, STILL_LIMIT};
+use crate::eval::store::slug;
+use crate::eval::table::{Ablation, Row};
+use crate::report::{Axis, Plot, Scale, Section, Table, write_file};
+
+/// The ablation table: a row a part, three columns a scene.
+pub(super) fn ablations(ablations: &[Ablation], rows: &[Row]) -> Section {
+    let mut section = Section::new("What each part is worth");
+    let scenes: Vec<&str> = scenes(rows)
+        .into_iter()
+        .filter(|scene| ablations.iter().any(|a| a.scene == *scene))
+        .collect();
+    let rate = ablations.first().map_or(0, |a| a.rate);
+    let heads = ["adaptive at", "instead"].map(str::to_owned);
+    let columns = scenes.iter().flat_map(|scene| {
+        ["RMSE", "host", "display"].map(|what| format!("{} {what}", slug(scene)))
+    });
+    let mut table = Table::new(heads.into_iter().chain(columns)).caption(
+        "Each part off, all else on: change of RMSE and of time in percent of adaptive's. RMSE \
+         above 0: the part helps. Time below 0: the part costs that much. In brackets: within \
+         the spread over seeds. Times were taken while other cells ran: differences of a few \
+         percent mean nothing.",
+    );
+    let percent = |v: f64| format!("{:+.1}", 100.0 * v).replace('-', "−");
+    for method in EvalMethod::ablations() {
+        let find = |scene: &&str| {
+            ablations
+                .iter()
+                .find(|a| a.scene == **scene && a.method == method.name())
+        };
+        if scenes.iter().all(|scene| find(scene).is_none()) {
+            continue;
+        }
+        let mut cells = vec![
+            method.name().replace("adaptive-", "").replace('-', " "),
+            method.instead().unwrap_or("").to_owned(),
+        ];
+        for scene in &scenes {
+            let Some(a) = find(scene) else {
+                cells.extend(["–"; 3].map(str::to_owned));
+                continue;
+            };
+            let rmse = percent(a.rmse_change);
+            let noise = a.noise.is_some_and(|noise| a.rmse_change.abs() <= noise);
+            cells.push(if noise { format!("({rmse})") } else { rmse });
+            cells.push(percent(a.host_change));
+            cells.push(percent(a.display_change));
+        }
+        table.row(cells);
+    }
+    section.paragraph(&format!("At {} samples a second.", short(rate)));
+    section.table(&table);
+    section
+}
+
+/// Error over time of still scenes and after cuts.
+pub(super) fn probes(findings: &Findings<'_>, dir: &Path) -> Result<Vec<Section>> {
+    let found = findings.found;
+    let cell = |scene: &str, method: &str| {
+        findings
+            .cells
+            .iter()
+            .map(|(_, cell)| cell)
+            .find(|cell| cell.scene == scene && cell.method == method)
+    };
+    let mut sections = Vec::new();
+    if !found.stills.is_empty() {
+        let mut section = Section::new("The golden thread: a still picture converges");
+        let rmse = Axis::new("RMSE of displayed sRGB values (log)", Scale::Log);
+        let title = "RMSE of a still scene";
+        let mut plot = Plot::new(title, Axis::new("time, s", Scale::Linear), rmse);
+        let mut table = Table::new([
+            "scene",
+            "method",
+            "rate",
+            "last RMSE",
+            "below 1.5 from",
+            "worst rise of a half second",
+            "",
+        ]);
+        for still in &found.stills {
+            if let Some(cell) = cell(&still.scene, &still.method) {
+                plot = plot.line(
+                    format!("{} {}", still.scene, still.method),
+                    points(cell, 1.0),
+                );
+            }
+            let from = still.below_limit_from;
+            table.row([
+                still.scene.clone(),
+                still.method.clone(),
+                short(still.rate),
+                format!("{:.2}", still.last_rmse),
+                from.map_or_else(|| "never".to_owned(), |t| format!("{t:.2} s")),
+                format!("{:+.1} %", 100.0 * (still.worst_rise - 1.0)),
+                if still.holds { "✓ holds" } else { "✗" }.to_owned(),
+            ]);
+        }
+        let ends = vec![(0.0, STILL_LIMIT), (5.0, STILL_LIMIT)];
+        plot = plot.line("limit", ends);
+        section.plot(&plot, "Camera and objects stand as at time 0.")?;
+        section.table(&table);
+        write_file(&dir.join("golden.svg"), plot.svg()?.as_bytes())?;
+        sections.push(section);
+    }
+    if !found.cuts.is_empty() {
+        let mut section = Section::new("Cuts are forgotten");
+        let mut table = Table::new([
+            "scene",
+            "method",
+            "rate",
+            "first RMSE",
+            "steady RMSE",
+            "back after",
+            "",
+        ])
+        .caption(
+            "Everything jumps half a loop at the cut. Back: three refreshes in a row whose RMSE \
+             is at most 1.2 times that of the same refresh without a cut.",
+        );
+        for cut in &found.cuts {
+            let back = cut.milliseconds;
+            table.row([
+                cut.scene.clone(),
+                cut.method.clone(),
+                short(cut.rate),
+                format!("{:.2}", cut.first_rmse),
+                format!("{:.2}", cut.steady_rmse),
+                back.map_or_else(|| "never".to_owned(), |ms| format!("{ms:.0} ms")),
+                if cut.holds { "✓ holds" } else { "✗" }.to_owned(),
+            ]);
+            let steady = cut.scene.replace("-cut", "-without-cut");
+            let both = cell(&cut.scene, &cut.method).zip(cell(&steady, &cut.method));
+            if let Some((with, without)) = both
+                && cut.method == EvalMethod::Adaptive.name()
+            {
+                let title = format!("{}: RMSE around the cut", cut.scene);
+                let time = Axis::new("time, s", Scale::Linear);
+                let plot = Plot::new(title, time, crate::report::plot::rmse_axis())
+                    .line("with the cut", points(with, 1.0))
+                    .line("1.2 × without", points(without, RECOVERED))
+                    .mark(CUT_AT, "cut");
+                section.plot(&plot, "Adaptive; first seed.")?;
+                let name = format!("{}.svg", cut.scene);
+                write_file(&dir.join(name), plot.svg()?.as_bytes())?;
+            }
+        }
+        section.table(&table);
+        sections.push(section);
+    }
+    Ok(sections)
+}
+
+fn points(cell: &Cell, factor: f64) -> Vec<(f64, f64)> {
+    let point = |r: &crate::eval::cell::Point| (r.time, factor * r.rmse);
+    cell.refreshes.iter().map(point).collect()
+}
