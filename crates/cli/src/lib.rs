@@ -4,7 +4,8 @@
 //! - [`args`]: what a user types; [`method`]: samplers, streams and reconstructions by name;
 //! - [`panel`]: the display hardware to show on; [`measure`]: a run against the ideal;
 //! - [`eval`]: all methods against the ideal, cell by cell;
-//! - [`commands`]: one module a command; [`pages`], [`report`]: what they write.
+//! - [`commands`]: one module a command; [`pages`], [`report`]: what they write;
+//! - [`work`]: the time that it took.
 
 pub mod args;
 pub mod commands;
@@ -14,3 +15,4 @@ pub mod method;
 pub mod pages;
 pub mod panel;
 pub mod report;
+pub mod work;

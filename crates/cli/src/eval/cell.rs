@@ -1,7 +1,6 @@
 //! One method on one scene at one rate with one seed.
 
 use std::path::Path;
-use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
 use serde::{Deserialize, Serialize};
@@ -21,6 +20,7 @@ use crate::args::{DisplayKind, Size};
 use crate::measure::REFRESH_HZ;
 use crate::panel::{Order, with_panel};
 use crate::report::Picture;
+use crate::work::Stopwatch;
 
 /// Raise this when what a cell means changes: old files are not used any more.
 const VERSION: u32 = 2;
@@ -339,9 +339,9 @@ impl<'a> Run<'a> {
 
     fn frames(&mut self, framed: &mut dyn Framed) -> Result<()> {
         for index in 0..self.job.settings.refreshes {
-            let clock = Instant::now();
+            let clock = Stopwatch::start();
             framed.show(instant(index));
-            self.seconds_host += clock.elapsed().as_secs_f64();
+            self.seconds_host += clock.seconds();
             self.score(index, framed.picture())?;
         }
         self.samples = framed.samples();
@@ -379,16 +379,16 @@ impl<'a> Run<'a> {
             let mut bytes = Vec::new();
             for index in 0..self.job.settings.refreshes {
                 bytes.clear();
-                let clock = Instant::now();
+                let clock = Stopwatch::start();
                 let step = host.advance(&mut bytes)?;
-                self.seconds_host += clock.elapsed().as_secs_f64();
+                self.seconds_host += clock.seconds();
                 if step.cut {
                     self.cuts.push(step.time);
                 }
-                let clock = Instant::now();
+                let clock = Stopwatch::start();
                 let mut input = &bytes[..];
                 while panel.push(&mut input)?.is_some() {}
-                self.seconds_display += clock.elapsed().as_secs_f64();
+                self.seconds_display += clock.seconds();
                 self.score(index, panel.picture())?;
                 if let Some(oracle) = &mut oracle {
                     oracle.receive(&bytes);

@@ -5,8 +5,8 @@ use serde_json::{Value, json};
 
 use super::cell::{Cell, ClassShare, Spending};
 use super::methods::EvalMethod;
-use super::plan;
 use super::probes::{Convergence, Recovery};
+use super::{page, plan};
 
 /// A method on a scene at a rate: the mean over its seeds, and their spread.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -260,11 +260,12 @@ pub struct Ablation {
     pub display_change: f64,
 }
 
-/// The parts that were left out, scene by scene.
+/// The parts that were left out, scene by scene, at the usual rate.
 #[must_use]
 pub fn ablations(rows: &[Row]) -> Vec<Ablation> {
     let mut found = Vec::new();
-    for row in rows {
+    let usual = plan::usual_rate(&page::rates(rows));
+    for row in rows.iter().filter(|row| row.rate == usual) {
         let Some(method) = EvalMethod::ablations().find(|m| m.name() == row.method) else {
             continue;
         };

@@ -80,7 +80,7 @@ impl BarChart {
             root.draw(&text("no data", (0, TOP), 14.0, QUIET, false))?;
             return Ok(());
         }
-        let room = |width: f64| width.min(0.35 * f64::from(WIDTH)) as i32;
+        let room = |width: f64| width.min(0.45 * f64::from(WIDTH)) as i32;
         let left = room(12.0 + widest(self.bars.iter().map(|b| b.0.as_str())));
         let legend = match self.parts.len() {
             0 => 0,

@@ -334,7 +334,7 @@ impl Table {
 
 /// Whether a cell reads as a number, perhaps with a unit, or as the dash that stands for none.
 fn is_number(cell: &str) -> bool {
-    let start = cell.trim_start_matches(['-', '−', '+', '±', '×', '≤', '≥', '<', '>', ' ']);
+    let start = cell.trim_start_matches(['-', '−', '+', '±', '×', '≤', '≥', '<', '>', '(', ' ']);
     cell == "–" || cell.is_empty() || start.starts_with(|c: char| c.is_ascii_digit())
 }
 

@@ -86,7 +86,7 @@ pub fn write(findings: &Findings<'_>, dir: &Path) -> Result<()> {
         "RMSE: root mean square over pixels and R, G, B of displayed sRGB values, 0 to 255; over \
          an animation the root of the mean of squares. JOD: ColorVideoVDP over the whole \
          animation of the first seed, of 10. FLIP: mean over the refreshes at which it was \
-         measured, 67 pixels a degree. Seconds on one core, while other cells ran on the others.",
+         measured, 67 pixels a degree. Seconds are of the thread that did the work, not of the clock on the wall.",
     );
     report.write(&dir.join("report.html"))?;
     Ok(())
@@ -108,7 +108,7 @@ fn methods(rows: &[Row]) -> impl Iterator<Item = EvalMethod> {
 }
 
 /// Rates at which not only the tenfold renderers were run, ascending.
-fn rates(rows: &[Row]) -> Vec<u32> {
+pub(super) fn rates(rows: &[Row]) -> Vec<u32> {
     let tenfold = |row: &&Row| {
         EvalMethod::all().any(|method| method.is_tenfold() && method.name() == row.method)
     };
@@ -159,6 +159,7 @@ fn glance(rows: &[Row]) -> Result<Option<Section>> {
         Some((mean.exp(), spread(f64::min)?.exp(), spread(f64::max)?.exp()))
     };
     let mut found: Vec<_> = methods(rows)
+        .filter(|method| method.instead().is_none())
         .filter_map(|method| Some((method, ratio(method)?)))
         .collect();
     if found.len() < 2 {

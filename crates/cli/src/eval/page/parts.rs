@@ -20,15 +20,15 @@ pub(super) fn ablations(ablations: &[Ablation], rows: &[Row]) -> Section {
         .filter(|scene| ablations.iter().any(|a| a.scene == *scene))
         .collect();
     let rate = ablations.first().map_or(0, |a| a.rate);
-    let heads = ["adaptive at", "instead"].map(str::to_owned);
-    let columns = scenes.iter().flat_map(|scene| {
-        ["RMSE", "host", "display"].map(|what| format!("{} {what}", slug(scene)))
-    });
-    let mut table = Table::new(heads.into_iter().chain(columns)).caption(
-        "Each part off, all else on: change of RMSE and of time in percent of adaptive's. RMSE \
-         above 0: the part helps. Time below 0: the part costs that much. In brackets: within \
-         the spread over seeds. Times were taken while other cells ran: differences of a few \
-         percent mean nothing.",
+    let columns = scenes
+        .iter()
+        .flat_map(|scene| [slug(scene), "host".to_owned(), "display".to_owned()]);
+    let heads = ["adaptive with".to_owned()].into_iter().chain(columns);
+    let mut table = Table::new(heads.chain(["instead".to_owned()])).caption(
+        "Each part off, all else on: change of RMSE (under the scene's name), of the host's and \
+         of the display's time, in percent of adaptive's. RMSE above 0: the part helps. Time \
+         below 0: the part costs that much; a few percent of time mean nothing. In brackets: \
+         within the spread over seeds.",
     );
     let percent = |v: f64| format!("{:+.1}", 100.0 * v).replace('-', "−");
     for method in EvalMethod::ablations() {
@@ -40,10 +40,7 @@ pub(super) fn ablations(ablations: &[Ablation], rows: &[Row]) -> Section {
         if scenes.iter().all(|scene| find(scene).is_none()) {
             continue;
         }
-        let mut cells = vec![
-            method.name().replace("adaptive-", "").replace('-', " "),
-            method.instead().unwrap_or("").to_owned(),
-        ];
+        let mut cells = vec![method.name().replace("adaptive-", "").replace('-', " ")];
         for scene in &scenes {
             let Some(a) = find(scene) else {
                 cells.extend(["–"; 3].map(str::to_owned));
@@ -55,6 +52,7 @@ pub(super) fn ablations(ablations: &[Ablation], rows: &[Row]) -> Section {
             cells.push(percent(a.host_change));
             cells.push(percent(a.display_change));
         }
+        cells.push(method.instead().unwrap_or("").to_owned());
         table.row(cells);
     }
     section.paragraph(&format!("At {} samples a second.", short(rate)));
