@@ -4,7 +4,8 @@
 //! `cargo run --release -p unframed-host --example sampler_lab -- [scenes=a,b] [rate=400000]
 //! [seconds=3] [png=FOLDER] [VARIANT …]`, a variant being `name:knob=value,knob=value` with the
 //! fields of [`Config`] as knobs, or `uniform=LIFETIME` (seconds) for uniform samples through the
-//! same display. Ideal pictures are kept in `target/` (or `LAB_CACHE`) between runs.
+//! same display. A variant whose name begins with `paper` is the method of Dayal et al. 2005 with
+//! its own display, and has the fields of [`paper::Config`] as knobs. Ideal pictures are kept in `target/` (or `LAB_CACHE`) between runs.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
@@ -12,6 +13,7 @@ use std::sync::{Arc, Mutex};
 use glam::UVec2;
 use unframed_host::drive::Host;
 use unframed_host::sampler::adaptive::{Adaptive, Config};
+use unframed_host::sampler::paper::{self, Paper};
 use unframed_host::sampler::uniform::Uniform;
 use unframed_host::sampler::{Eye, Sampler, Shot, Span};
 use unframed_host::scene::builtin;
@@ -51,16 +53,21 @@ fn ideals(name: &str, world: &World, seconds: f64) -> Vec<(u32, Picture)> {
 }
 
 /// The sampler under test, kept in sight.
-#[derive(Clone)]
-struct Watched(Arc<Mutex<Adaptive>>);
+struct Watched<S>(Arc<Mutex<S>>);
 
-impl Watched {
-    fn with<R>(&self, work: impl FnOnce(&mut Adaptive) -> R) -> R {
+impl<S> Clone for Watched<S> {
+    fn clone(&self) -> Self {
+        Self(Arc::clone(&self.0))
+    }
+}
+
+impl<S> Watched<S> {
+    fn with<R>(&self, work: impl FnOnce(&mut S) -> R) -> R {
         work(&mut self.0.lock().expect("one thread uses it"))
     }
 }
 
-impl Sampler for Watched {
+impl<S: Sampler> Sampler for Watched<S> {
     fn epoch(&mut self, span: Span, eye: &dyn Eye, out: &mut Vec<Shot>) {
         self.with(|s| s.epoch(span, eye, out));
     }
@@ -115,6 +122,34 @@ fn turn(config: &mut Config, key: &str, number: f32) {
     }
 }
 
+/// The same for the paper's method.
+fn turn_paper(config: &mut paper::Config, key: &str, number: f64) {
+    let on = number != 0.0;
+    match key {
+        "arms" => config.arms = on,
+        "adapt" => config.adapt = on,
+        "decline" => config.decline = number,
+        "chunk" => config.chunk = number as u32,
+        "moves" => config.moves = number as u32,
+        "hysteresis" => config.hysteresis = number,
+        "gain" => config.gain = on,
+        "tiles" => config.tiles = number as u32,
+        "least_tiles" => config.least_tiles = number as u32,
+        "most_tiles" => config.most_tiles = number as u32,
+        "importance" => config.importance = number,
+        "finest" => config.finest = number as u16,
+        "reprojections" => config.reprojections = number as u32,
+        "occlusion" => config.occlusion = on,
+        "occlusion_cost" => config.occlusion_cost = number,
+        "kappa" => config.kappa = number,
+        "lambda" => config.lambda = number,
+        "undersampled" => config.undersampled = number,
+        "least_interval" => config.least_interval = number,
+        "seed" => config.seed = number as u64,
+        _ => panic!("{key}: no such knob"),
+    }
+}
+
 /// What a run showed.
 struct Outcome {
     each: Vec<f64>,
@@ -129,35 +164,43 @@ fn run(
     variant: &str,
     save: impl Fn(u32, &[[u8; 3]]),
 ) -> Outcome {
-    let (_, knobs) = variant.split_once(':').unwrap_or((variant, ""));
+    let (name, knobs) = variant.split_once(':').unwrap_or((variant, ""));
     let mut config = Config::default();
+    let mut published = name.starts_with("paper").then(paper::Config::default);
     let mut uniform = None;
     for knob in knobs.split(',').filter(|k| !k.is_empty()) {
         let (key, value) = knob.split_once('=').unwrap_or((knob, "1"));
         let number: f32 = value
             .parse()
             .unwrap_or_else(|_| panic!("{knob}: not a number"));
-        if key == "uniform" {
+        if let Some(config) = &mut published {
+            turn_paper(config, key, number.into());
+        } else if key == "uniform" {
             uniform = Some(number);
         } else {
             turn(&mut config, key, number);
         }
     }
     let watched = Watched(Arc::new(Mutex::new(Adaptive::new(SIZE, config))));
+    let published = published.map(|c| Watched(Arc::new(Mutex::new(Paper::new(SIZE, c)))));
     let mut recon = unframed_recon::Config::ADAPTIVE;
-    let sampler: Box<dyn Sampler> = match uniform {
-        Some(lifetime) => {
+    let sampler: Box<dyn Sampler> = match (uniform, &published) {
+        (_, Some(published)) => {
+            recon = unframed_recon::Config::PAPER;
+            Box::new(published.clone())
+        }
+        (Some(lifetime), _) => {
             recon.lifetime = Lifetime::Constant((lifetime.log2() * 256.0) as i16);
             Box::new(Uniform::new(SIZE, 1))
         }
-        None => Box::new(watched.clone()),
+        (None, None) => Box::new(watched.clone()),
     };
     let promise = Promise {
         layout: Layout::World,
         tile_fields: TileFields {
-            gradients: false,
-            lifetime: uniform.is_none(),
-            density: false,
+            gradients: published.is_some(),
+            lifetime: uniform.is_none() && published.is_none(),
+            density: published.is_some(),
         },
         rate,
         refresh_millihertz: HERTZ * 1000,
@@ -187,10 +230,10 @@ fn run(
         each.push(rms(shown, picture));
         save(*refresh, shown);
     }
-    let note = if uniform.is_some() {
-        String::new()
-    } else {
-        watched.with(|s| note(s))
+    let note = match (uniform, &published) {
+        (_, Some(published)) => published.with(|s| note_of_paper(s)),
+        (Some(_), _) => String::new(),
+        (None, None) => watched.with(|s| note(s)),
     };
     Outcome {
         each,
@@ -209,6 +252,20 @@ fn note(sampler: &Adaptive) -> String {
         s.cells / 1000,
         s.coverage,
         s.cuts
+    )
+}
+
+fn note_of_paper(sampler: &Paper) -> String {
+    let s = sampler.stats();
+    let [plan, trace, learn, adjust] = s.seconds.map(|t| t * 1e6 / s.samples as f64);
+    format!(
+        "us/sample plan {plan:.2} learn {learn:.2} adjust {adjust:.2} trace {trace:.2}; occluded \
+         {:.1} % of {} k tests, {} tiles, {} k stored, moves {:?}",
+        100.0 * s.occluded as f64 / s.tests.max(1) as f64,
+        s.tests / 1000,
+        s.tiles,
+        s.stored / 1000,
+        s.moves
     )
 }
 

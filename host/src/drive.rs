@@ -2,35 +2,12 @@
 
 use std::time::Instant;
 
-use glam::{Affine3A, Vec2, Vec3};
 use unframed_wire::{End, Hello, Status, TileNode, ledger::Ledger};
 
-use crate::sampler::{Eye, Sampler, Shot, Span};
+use crate::sampler::{Sampler, Shot, Span};
 use crate::stream::sender::Promise;
 use crate::stream::{Sender, StreamError};
-use crate::trace::camera::Camera;
-use crate::trace::{Hit, Rays, World};
-
-/// Samplers see the scene through this.
-struct WorldEye<'a>(&'a World);
-
-impl Eye for WorldEye<'_> {
-    fn camera(&self, time: f64) -> Camera {
-        self.0.camera(time)
-    }
-
-    fn pose(&self, object: u8, time: f64) -> Affine3A {
-        self.0.pose(object, time)
-    }
-
-    fn look(&self, time: f64, pixel: Vec2, seed: u32) -> Hit {
-        self.0.moment(time).look(pixel, seed)
-    }
-
-    fn look_along(&self, time: f64, direction: Vec3, seed: u32) -> Hit {
-        self.0.moment(time).look_along(direction, seed)
-    }
-}
+use crate::trace::{Rays, World};
 
 /// Adds up what passes.
 struct Clock(Instant);
@@ -209,11 +186,8 @@ impl Host {
             let mut clock = Clock::new();
             self.world.prepare(t0, t1);
             clock.lap(&mut self.spent.scene);
-            self.sampler.epoch(
-                Span { t0, t1, shots },
-                &WorldEye(&self.world),
-                &mut self.shots,
-            );
+            let span = Span { t0, t1, shots };
+            self.sampler.epoch(span, &self.world, &mut self.shots);
             clock.lap(&mut self.spent.tracing);
             if let Some(time) = self.sampler.take_cut() {
                 progress.cut = true;
@@ -232,10 +206,11 @@ impl Host {
         clock.lap(&mut self.spent.control);
         self.sender.refresh(&self.world, end, &self.tiles, out)?;
         clock.lap(&mut self.spent.stream);
-        for shot in &self.shots {
-            progress.rays.primary += shot.hit.rays.primary;
-            progress.rays.shadow += shot.hit.rays.shadow;
-            progress.rays.bounce += shot.hit.rays.bounce;
+        let untold = self.sampler.take_rays();
+        for rays in self.shots.iter().map(|shot| shot.hit.rays).chain([untold]) {
+            progress.rays.primary += rays.primary;
+            progress.rays.shadow += rays.shadow;
+            progress.rays.bounce += rays.bounce;
         }
         progress.samples = self.shots.len();
         self.now = end;

@@ -4,6 +4,7 @@ use clap::ValueEnum;
 use glam::UVec2;
 use unframed_host::sampler::Sampler;
 use unframed_host::sampler::adaptive::{self, Adaptive};
+use unframed_host::sampler::paper::{self, Paper};
 use unframed_host::sampler::uniform::{Place, Traditional, Uniform};
 use unframed_recon::Config;
 use unframed_recon::config::Lifetime;
@@ -20,6 +21,8 @@ pub enum Method {
     Uniform,
     /// Uniform samples through the reconstructor of `adaptive`.
     UniformSameDisplay,
+    /// Adaptive frameless rendering as published (Dayal et al. 2005).
+    Paper,
 }
 
 impl Method {
@@ -31,6 +34,7 @@ impl Method {
             Self::Frameless => "frameless",
             Self::Uniform => "uniform",
             Self::UniformSameDisplay => "uniform-same-display",
+            Self::Paper => "paper",
         }
     }
 
@@ -47,6 +51,13 @@ impl Method {
             )),
             Self::Frameless => Box::new(Traditional::new(size, Place::Centre, seed)),
             Self::Uniform | Self::UniformSameDisplay => Box::new(Uniform::new(size, seed)),
+            Self::Paper => Box::new(Paper::new(
+                size,
+                paper::Config {
+                    seed,
+                    ..Default::default()
+                },
+            )),
         }
     }
 
@@ -61,6 +72,7 @@ impl Method {
                 lifetime: Lifetime::Constant(-256),
                 ..Config::ADAPTIVE
             },
+            Self::Paper => Config::PAPER,
         }
     }
 
@@ -77,9 +89,9 @@ impl Method {
     #[must_use]
     pub fn tile_fields(self) -> TileFields {
         TileFields {
-            gradients: false,
+            gradients: self == Self::Paper,
             lifetime: self == Self::Adaptive,
-            density: false,
+            density: self == Self::Paper,
         }
     }
 }

@@ -3,15 +3,17 @@
 //! A [`Sampler`] is asked for a [`Span`] of simulated time at a time. It plans its shots serially
 //! (cheap, seeded), lets an [`Eye`] trace them in parallel and learns from them serially, in the
 //! order of time: the result is the same whatever the number of threads. Every ray towards the
-//! scene is a shot and every shot is a sample of the stream: nothing is looked at for free.
+//! scene is paid for; all but tests of visibility are samples of the stream.
 //!
 //! - [`uniform`]: samplers that learn nothing (the baselines);
+//! - [`paper`]: the sampler of Dayal et al. 2005;
 //! - [`adaptive`]: the sampler of this project;
 //! - [`kdtree`]: the k-d cut of the image that carries a sampler's side data to the display.
 
 pub mod adaptive;
 pub mod kdtree;
 mod noise;
+pub mod paper;
 pub mod srgb;
 #[cfg(test)]
 mod stage;
@@ -23,7 +25,7 @@ use unframed_wire::tiles::TileNode;
 use unframed_wire::{SKY, Status, TileFields};
 
 use crate::trace::camera::Camera;
-use crate::trace::{Hit, World};
+use crate::trace::{Hit, Rays, World};
 
 /// All that a sampler may know of the scene: the view, the poses, and what a ray finds.
 ///
@@ -40,7 +42,27 @@ pub trait Eye: Sync {
     fn look(&self, time: f64, pixel: Vec2, seed: u32) -> Hit;
     /// What is seen from the eye in a direction whose component along the camera's axis is 1.
     fn look_along(&self, time: f64, direction: Vec3, seed: u32) -> Hit;
+
+    /// Whether a place of an object (its own coordinates, metres; a direction for the sky) is seen
+    /// from the eye: before it, with nothing in between. One ray, which need not be shaded.
+    fn sees(&self, time: f64, object: u8, local: Vec3) -> bool {
+        let camera = self.camera(time);
+        let offset = self.pose(object, time).transform_point3(local) - camera.eye;
+        let Some((_, depth)) = camera.project_direction(offset) else {
+            return false;
+        };
+        let found = self.look_along(time, offset / depth, 0);
+        if object == SKY {
+            found.object == SKY
+        } else {
+            found.depth >= depth * SEEN
+        }
+    }
 }
+
+/// How much of the way to a place must be free for the place to be seen: rounding puts it a little
+/// behind its own surface.
+const SEEN: f32 = 0.999;
 
 /// Rays at the instants that were prepared; views and poses at any.
 impl Eye for World {
@@ -58,6 +80,14 @@ impl Eye for World {
 
     fn look_along(&self, time: f64, direction: Vec3, seed: u32) -> Hit {
         self.moment(time).look_along(direction, seed)
+    }
+
+    fn sees(&self, time: f64, object: u8, local: Vec3) -> bool {
+        let moment = self.moment(time);
+        let camera = moment.camera();
+        let offset = World::pose(self, object, time).transform_point3(local) - camera.eye;
+        let end = if object == SKY { f32::INFINITY } else { SEEN };
+        camera.project_direction(offset).is_some() && moment.is_clear(offset, end)
     }
 }
 
@@ -109,8 +139,9 @@ pub struct Effort {
 
 /// A way of choosing where to look.
 pub trait Sampler: Send {
-    /// Takes exactly `span.shots` shots in the order of time and appends them to `out`. Spans
-    /// follow each other without gaps.
+    /// Takes `span.shots` shots in the order of time and appends them to `out`. Spans follow each
+    /// other without gaps. A sampler that also traces rays that are no samples takes so many fewer
+    /// shots as they cost; what is left of a budget may be spent in the next span.
     fn epoch(&mut self, span: Span, eye: &dyn Eye, out: &mut Vec<Shot>);
 
     /// The best length of a span for this sampler, seconds.
@@ -128,6 +159,11 @@ pub trait Sampler: Send {
     /// far as the sampler can tell. The display should forget all samples before it.
     fn take_cut(&mut self) -> Option<f64> {
         None
+    }
+
+    /// Rays traced since the last call that gave no samples.
+    fn take_rays(&mut self) -> Rays {
+        Rays::default()
     }
 
     /// The display's report.

@@ -195,15 +195,27 @@ impl<'a> Moment<'a> {
 
     /// Whether anything that casts a shadow lies between `origin` and `origin + direction·tmax`.
     pub(crate) fn blocked(&self, origin: Vec3, direction: Vec3, tmax: f32) -> bool {
-        let world = self.world;
         let ray = Ray::new(origin.into(), direction.into(), 0.0, tmax);
-        let stops = |a: &Attributes, uv: Vec2| self.shadows(a, uv);
-        if world.fixed.blocked(ray, stops) || world.skin.blocked(ray, stops) {
+        self.stopped(ray, |a, uv| self.shadows(a, uv))
+    }
+
+    /// Whether nothing that could be seen lies between the eye and `end` times `way` from it
+    /// (`end` may be infinite).
+    #[must_use]
+    pub fn is_clear(&self, way: Vec3, end: f32) -> bool {
+        let ray = Ray::new(self.camera.eye.into(), way.into(), 0.0, end);
+        !self.stopped(ray, |a, uv| self.opaque(a, uv))
+    }
+
+    /// Whether a ray meets anything that `stops` it.
+    fn stopped(&self, ray: Ray, stops: impl Fn(&Attributes, Vec2) -> bool) -> bool {
+        let world = self.world;
+        if world.fixed.blocked(ray, &stops) || world.skin.blocked(ray, &stops) {
             return true;
         }
         let mut blocked = false;
         self.near_movers(ray, |ray, mover| {
-            blocked = blocked || world.movers[mover].blocked(self.to_frame(mover, ray), stops);
+            blocked = blocked || world.movers[mover].blocked(self.to_frame(mover, ray), &stops);
             // Nothing beyond matters once something is in the way.
             if blocked { ray.tmin } else { f32::INFINITY }
         });

@@ -7,6 +7,7 @@ use glam::UVec2;
 use unframed_host::framed::{Framed, Frames, Taau, Tuning, Upscale};
 use unframed_host::sampler::Sampler;
 use unframed_host::sampler::adaptive::{self, Adaptive};
+use unframed_host::sampler::paper;
 use unframed_host::trace::World;
 use unframed_recon::Config;
 use unframed_recon::config::Lifetime;
@@ -31,6 +32,8 @@ pub enum EvalMethod {
     UniformSameDisplay,
     /// Temporal antialiasing and upscaling.
     Taau,
+    /// Adaptive frameless rendering as published (Dayal et al. 2005).
+    Paper,
     /// The subject.
     Adaptive,
     /// Its sampler is told that nothing moves.
@@ -46,13 +49,14 @@ pub enum EvalMethod {
 }
 
 /// Names that are known, and their methods.
-const NAMES: [(EvalMethod, &str); 11] = [
+const NAMES: [(EvalMethod, &str); 12] = [
     (EvalMethod::Framed60LowRes, "framed60-lowres"),
     (EvalMethod::FramedFull, "framed-full"),
     (EvalMethod::Frameless, "frameless"),
     (EvalMethod::Uniform, "uniform"),
     (EvalMethod::UniformSameDisplay, "uniform-same-display"),
     (EvalMethod::Taau, "taau"),
+    (EvalMethod::Paper, "paper"),
     (EvalMethod::Adaptive, "adaptive"),
     (
         EvalMethod::AdaptiveNoSamplerReprojection,
@@ -69,12 +73,6 @@ const NAMES: [(EvalMethod, &str); 11] = [
 /// There is no such method.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MethodError {
-    /// Known, but not in this program.
-    #[error(
-        "the method `paper` is not in this program: it needs the sampler of Dayal et al. 2005 \
-         (host/src/sampler/paper); leave it out of --methods"
-    )]
-    NoPaper,
     /// Unknown.
     #[error("there is no method `{name}`; there are {all}")]
     Unknown {
@@ -203,6 +201,11 @@ impl EvalMethod {
     #[must_use]
     pub fn fingerprint(self) -> String {
         let stream = match self.method() {
+            Some(Method::Paper) => format!(
+                "{:?} {:?}",
+                self.display(Method::Paper),
+                paper::Config::default()
+            ),
             Some(method) => format!("{:?} {:?}", self.display(method), self.knobs(0)),
             None => String::new(),
         };
@@ -254,6 +257,7 @@ impl EvalMethod {
             Self::Frameless => Some(Method::Frameless),
             Self::Uniform => Some(Method::Uniform),
             Self::UniformSameDisplay => Some(Method::UniformSameDisplay),
+            Self::Paper => Some(Method::Paper),
             Self::Adaptive
             | Self::AdaptiveNoSamplerReprojection
             | Self::AdaptiveNoDisplayReprojection
@@ -305,9 +309,6 @@ impl FromStr for EvalMethod {
     type Err = MethodError;
 
     fn from_str(name: &str) -> Result<Self, MethodError> {
-        if name == "paper" {
-            return Err(MethodError::NoPaper);
-        }
         Self::known()
             .find(|method| method.name() == name)
             .ok_or_else(|| {

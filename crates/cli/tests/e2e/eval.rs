@@ -115,10 +115,11 @@ fn what_is_finished_is_not_done_again() {
 
 #[test]
 fn unknown_methods_are_refused_by_name() {
-    for (method, says) in [("papr", "framed60-lowres"), ("paper", "Dayal")] {
-        let output = unframed(["eval", "--methods", method]);
-        assert!(!output.status.success());
-        let errors = String::from_utf8_lossy(&output.stderr);
-        assert!(errors.contains(says) && errors.contains(method), "{errors}");
-    }
+    let output = unframed(["eval", "--methods", "papr"]);
+    assert!(!output.status.success());
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        errors.contains("framed60-lowres") && errors.contains("papr"),
+        "{errors}"
+    );
 }

@@ -17,7 +17,7 @@ mod allocate;
 mod cells;
 mod config;
 mod lifetime;
-mod projection;
+pub(super) mod projection;
 mod tiles;
 
 use glam::{UVec2, Vec2, Vec3};

@@ -11,13 +11,13 @@ pub(super) const SKY_DEPTH: f32 = 1e30;
 
 /// The view and all poses of an instant as one matrix an object, made when first needed.
 #[derive(Clone, Debug)]
-pub(super) struct Projection {
+pub(in crate::sampler) struct Projection {
     time: f64,
     objects: Vec<Option<(Mat3A, Vec3A)>>,
 }
 
 impl Projection {
-    pub(super) fn new(time: f64) -> Self {
+    pub(in crate::sampler) fn new(time: f64) -> Self {
         Self {
             time,
             objects: vec![None; 256],
@@ -25,12 +25,12 @@ impl Projection {
     }
 
     /// The instant, seconds.
-    pub(super) fn time(&self) -> f64 {
+    pub(in crate::sampler) fn time(&self) -> f64 {
         self.time
     }
 
     /// Prepares an object.
-    pub(super) fn prepare(&mut self, object: u8, eye: &dyn Eye) {
+    pub(in crate::sampler) fn prepare(&mut self, object: u8, eye: &dyn Eye) {
         let entry = &mut self.objects[usize::from(object)];
         if entry.is_none() {
             let camera = eye.camera(self.time);
@@ -45,7 +45,7 @@ impl Projection {
 
     /// Pixel coordinates and depth in metres of a place of a prepared object; `None` behind the
     /// eye, too near, or of an object that was not prepared.
-    pub(super) fn project(&self, object: u8, local: Vec3) -> Option<(Vec2, f32)> {
+    pub(in crate::sampler) fn project(&self, object: u8, local: Vec3) -> Option<(Vec2, f32)> {
         let (matrix, origin) = self.objects[usize::from(object)].as_ref()?;
         let p = *matrix * Vec3A::from(local) + *origin;
         if p.z <= NEAR {
