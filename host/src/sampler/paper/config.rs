@@ -67,15 +67,15 @@ impl Default for Config {
             tiles: 1024,
             least_tiles: 256,
             most_tiles: 4096,
-            importance: 1.0,
+            importance: 5.0,
             finest: 4,
             reprojections: 5,
             occlusion: true,
-            occlusion_cost: 0.25,
+            occlusion_cost: 0.3,
             kappa: 0.6,
             lambda: 0.2,
             undersampled: 1.5,
-            least_interval: 1.0 / 120.0,
+            least_interval: 0.1,
             seed: 1,
         }
     }

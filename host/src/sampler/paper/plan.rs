@@ -197,7 +197,6 @@ impl Paper {
             return;
         };
         self.stats.reprojected += 1;
-        self.tiling.update(pixel, &self.buffer);
         for point in old.arms.iter().flatten().chain([&old.centre]) {
             projection.prepare(point.object, eye);
         }
@@ -205,6 +204,7 @@ impl Paper {
         let limit = self.size.as_vec2();
         let inside = |p: &Vec2| p.cmpge(Vec2::ZERO).all() && p.cmplt(limit).all();
         let Some(place) = seen.map(|(place, _)| place).filter(inside) else {
+            self.tiling.update(pixel, &self.buffer);
             return;
         };
         let now = clock.now();
@@ -217,6 +217,9 @@ impl Paper {
         });
         moved.gradients = [gx, gy, gt];
         self.buffer.push_back(moved);
+        if to != pixel {
+            self.tiling.update(pixel, &self.buffer);
+        }
         self.tiling.update(to, &self.buffer);
         if self.config.occlusion {
             self.chunk.checks.push(Check {
