@@ -40,7 +40,7 @@ use unframed_wire::TileFields;
 use unframed_wire::tiles::TileNode;
 
 use super::noise::Random;
-use super::{Eye, Plan, Sampler, Seen, Shot, Span, trace};
+use super::{Effort, Eye, Plan, Sampler, Seen, Shot, Span, trace};
 use crate::trace::Rays;
 use buffer::DeepBuffer;
 pub use config::Config;
@@ -68,8 +68,10 @@ pub struct Stats {
     pub tiles: usize,
     /// Crosshairs stored now.
     pub stored: usize,
-    /// Wall-clock seconds spent planning and reprojecting, tracing, learning, adjusting.
+    /// Wall-clock seconds spent planning (with reprojecting), tracing, learning, adjusting.
     pub seconds: [f64; 4],
+    /// Of those of planning, the ones spent reprojecting.
+    pub reprojecting: f64,
 }
 
 /// The sampler of an image of fixed size.
@@ -313,6 +315,13 @@ impl Sampler for Paper {
 
     fn tiles(&mut self, fields: TileFields, out: &mut Vec<TileNode>) {
         self.tiling.side_data(fields, self.rate, out);
+    }
+
+    fn effort(&self) -> Option<Effort> {
+        Some(Effort {
+            tracing: self.stats.seconds[1],
+            reprojection: self.stats.reprojecting,
+        })
     }
 
     fn take_rays(&mut self) -> Rays {

@@ -1,5 +1,7 @@
 //! What a chunk does: visits (Dayal et al. 2005, Figure 5) and reprojection (§6.1).
 
+use std::time::Instant;
+
 use glam::Vec2;
 
 use super::Paper;
@@ -132,11 +134,13 @@ impl Paper {
             self.aim_crosshair(initial.place, Some(initial), false, clock);
         }
         let rect = self.tiling.tree.nodes[tile as usize].rect;
+        let begin = Instant::now();
         for _ in 0..self.config.reprojections {
             let x = u32::from(rect.x) + self.random.below(rect.w.into());
             let y = u32::from(rect.y) + self.random.below(rect.h.into());
             self.reproject(y * self.size.x + x, clock, projection, eye);
         }
+        self.stats.reprojecting += begin.elapsed().as_secs_f64();
         let corner = Vec2::new(rect.x.into(), rect.y.into());
         let point = Vec2::new(self.random.unit(), self.random.unit());
         let place = corner + point * Vec2::new(rect.w.into(), rect.h.into());
