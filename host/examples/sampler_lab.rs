@@ -291,7 +291,7 @@ fn write_png(path: &Path, picture: &[[u8; 3]]) {
 }
 
 fn main() {
-    let mut scenes = builtin::BUILTIN.join(",");
+    let mut scenes = builtin::ANIMATIONS.join(",");
     let (mut rate, mut seconds, mut folder) = (400_000.0, 3.0, None);
     let mut variants = Vec::new();
     for argument in std::env::args().skip(1) {

@@ -31,6 +31,10 @@ pub(crate) struct Attributes {
     pub(crate) object: u8,
     /// Rays must ask the material whether they pass (alpha masks, emitters, glass).
     pub(crate) porous: bool,
+    /// Has a texture or a pattern: hits need the gradients of the texture coordinates.
+    pub(crate) textured: bool,
+    /// Reflects rays: hits need the curvature.
+    pub(crate) polished: bool,
 }
 
 /// No vertex colours.
@@ -82,6 +86,31 @@ impl Tri {
         let r = ray.direction.cross(self.v0 - ray.origin);
         let w = Vec2::new(r.dot(self.e2), r.dot(self.e1)) / self.ng.dot(ray.direction);
         w.clamp(Vec2::ZERO, Vec2::ONE)
+    }
+
+    /// Gradients of u and v in the plane; zero for a triangle without area.
+    fn gradients(&self, uvs: [Vec2; 3]) -> [Vec3; 2] {
+        // ∇f·(v1 − v0) = f1 − f0 and ∇f·(v2 − v0) = f2 − f0, in the plane across ng.
+        let inverse = 1.0 / self.ng.length_squared().max(f32::MIN_POSITIVE);
+        let (p, q) = (
+            self.ng.cross(self.e2) * inverse,
+            self.ng.cross(self.e1) * inverse,
+        );
+        let (d1, d2) = (uvs[1] - uvs[0], uvs[2] - uvs[0]);
+        [
+            Vec3::from(p * d1.x + q * d2.x),
+            Vec3::from(p * d1.y + q * d2.y),
+        ]
+    }
+
+    /// Mean over the edges of the curvature that vertex normals pretend, 1/length.
+    fn curvature(&self, normals: [Vec3; 3]) -> f32 {
+        let v = self.vertices();
+        let along = |i: usize, k: usize| {
+            let edge = Vec3::from(v[k] - v[i]);
+            (normals[k] - normals[i]).dot(edge) / edge.length_squared().max(f32::MIN_POSITIVE)
+        };
+        (along(0, 1) + along(1, 2) + along(2, 0)) / 3.0
     }
 
     fn vertices(&self) -> [Vec3A; 3] {
@@ -226,8 +255,7 @@ impl Geometry {
         !a.porous || stops(a, interpolate(self.tris[i].weights(ray), a.uvs))
     }
 
-    /// The surface under a triangle that the ray met: attributes, place, normals (unnormalised,
-    /// geometric counter-clockwise, then interpolated), texture coordinates, colour.
+    /// The surface under a triangle that the ray met.
     pub(crate) fn surface(&self, ray: &Ray, met: Met) -> Spot {
         let i = met.index as usize;
         let (tri, attributes) = (&self.tris[i], &self.attributes[i]);
@@ -244,6 +272,16 @@ impl Geometry {
                 flat
             },
             uv: interpolate(w, attributes.uvs),
+            gradients: if attributes.textured {
+                tri.gradients(attributes.uvs)
+            } else {
+                [Vec3::ZERO; 2]
+            },
+            curvature: if attributes.polished {
+                tri.curvature(attributes.normals)
+            } else {
+                0.0
+            },
             colour: self
                 .colours
                 .get(attributes.colours as usize)
@@ -273,6 +311,11 @@ pub(crate) struct Spot {
     pub(crate) smooth: Vec3,
     /// Texture coordinates.
     pub(crate) uv: Vec2,
+    /// Gradients of u and v in the triangle's plane, 1/m; zero where nothing asks for them.
+    pub(crate) gradients: [Vec3; 2],
+    /// Mean curvature that the vertex normals pretend, 1/m, positive where the front bulges;
+    /// zero where nothing asks for it.
+    pub(crate) curvature: f32,
     /// Vertex colour.
     pub(crate) colour: Vec4,
     /// Index into the materials.

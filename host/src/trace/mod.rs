@@ -5,17 +5,19 @@
 
 pub mod camera;
 mod check;
+mod cone;
 mod epoch;
 mod geometry;
 mod ideal;
 mod light;
 mod moment;
+pub mod pattern;
 mod shade;
 mod skin;
 pub mod srgb;
 #[cfg(test)]
 mod tests;
-pub mod texture;
+mod texture;
 mod world;
 
 pub use check::{MAX_SIZE, WorldError};

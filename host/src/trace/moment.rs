@@ -5,10 +5,11 @@ use obvhs::ray::{Ray, RayHit};
 use unframed_wire::SKY;
 
 use super::camera::Camera;
+use super::cone::{Cone, Footprint};
 use super::epoch::{blend, blend_cameras};
 use super::geometry::{Attributes, Met, Spot};
 use super::light::Place;
-use super::shade::Shader;
+use super::shade::{Path, Shader};
 use super::world::World;
 use super::{Hit, Rays};
 
@@ -122,7 +123,14 @@ impl<'a> Moment<'a> {
         let along = self.camera.forward.dot(direction);
         match self.closest(origin, direction) {
             Some(struck) => {
-                let colour = shader.radiance(&struck, direction.normalize(), 0, Vec3::ONE);
+                let length = direction.length();
+                let path = Path {
+                    direction: direction / length,
+                    cone: Cone::of_pixel(&self.camera, along / length).after(struck.t * length),
+                    bounces: 0,
+                    weight: Vec3::ONE,
+                };
+                let colour = shader.radiance(&struck, &path);
                 Hit {
                     colour: colour.clamp(Vec3::ZERO, Vec3::ONE),
                     object: struck.spot.object,
@@ -272,6 +280,11 @@ impl<'a> Moment<'a> {
         };
         // Normals go by the transposed inverse.
         let normals = to_world.transpose();
+        let mut spot = spot;
+        spot.gradients = spot.gradients.map(|g| (normals * Vec3A::from(g)).into());
+        if spot.curvature != 0.0 {
+            spot.curvature *= to_world.determinant().abs().cbrt();
+        }
         let flat: Vec3 = (normals * Vec3A::from(spot.flat))
             .normalize_or(Vec3A::Y)
             .into();
@@ -303,7 +316,12 @@ impl<'a> Moment<'a> {
         };
         let texture = material.base_texture.as_ref();
         let textures = &self.world.scene.textures;
-        let opacity = texture.map_or(1.0, |t| self.world.sampler.sample(textures, t, uv).w);
+        let opacity = texture.map_or(1.0, |t| {
+            self.world
+                .sampler
+                .sample(textures, t, &Footprint::point(uv))
+                .w
+        });
         opacity * material.base_colour.w >= cutoff
     }
 

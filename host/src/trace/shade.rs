@@ -9,8 +9,9 @@ use std::f32::consts::{FRAC_1_PI, PI};
 use glam::Vec3;
 
 use super::Rays;
+use super::cone::{Cone, Footprint};
 use super::moment::{Moment, Struck};
-use super::texture::pattern;
+use super::pattern::pattern;
 use crate::scene::model::{MIRROR_ROUGHNESS, Material};
 
 /// Most bounces of a path.
@@ -33,6 +34,19 @@ pub(crate) struct Shader<'a> {
         reason = "area-light sampling takes its random numbers from here"
     )]
     seed: u32,
+}
+
+/// How a ray came to a surface.
+#[derive(Clone, Copy)]
+pub(crate) struct Path {
+    /// Unit direction of the ray.
+    pub(crate) direction: Vec3,
+    /// What the pixel sees, at the surface.
+    pub(crate) cone: Cone,
+    /// Mirrors and glass passed so far.
+    pub(crate) bounces: u32,
+    /// What the path so far lets through.
+    pub(crate) weight: Vec3,
 }
 
 /// A surface's response to light at a place.
@@ -59,36 +73,35 @@ impl<'a> Shader<'a> {
         sky.horizon.lerp(sky.zenith, direction.y.clamp(0.0, 1.0))
     }
 
-    /// Radiance that a surface sends against the unit `direction` of the ray that met it.
-    /// `weight` is what the path so far lets through.
-    pub(crate) fn radiance(
-        &mut self,
-        struck: &Struck,
-        direction: Vec3,
-        bounces: u32,
-        weight: Vec3,
-    ) -> Vec3 {
+    /// Radiance that a surface sends back along the path that met it.
+    pub(crate) fn radiance(&mut self, struck: &Struck, path: &Path) -> Vec3 {
         let scene = &self.moment.world.scene;
         let material = &scene.materials[struck.spot.material as usize];
-        let base = self.base(struck, material);
+        let seen = path.cone.footprint(
+            struck.spot.uv,
+            struck.spot.gradients,
+            struck.flat,
+            path.direction,
+        );
+        let base = self.base(struck, material, &seen);
         if material.unlit {
             return base;
         }
-        let mut light = self.emitted(struck, material);
+        let mut light = self.emitted(material, &seen);
         // What is left for direct light after mirror and glass have taken their share.
         let mut share = 1.0;
         let mirror = material.metallic > 0.0 && material.roughness <= MIRROR_ROUGHNESS;
         if mirror {
-            let cos = -direction.dot(struck.smooth);
+            let cos = -path.direction.dot(struck.smooth);
             let tint = schlick(base, cos) * material.metallic;
-            light += self.mirrored(struck, direction, bounces, weight, tint);
+            light += self.mirrored(struck, path, tint);
             share -= material.metallic;
         } else if material.transmission > 0.0 {
             let part = material.transmission * (1.0 - material.metallic);
-            light += self.glass(struck, material, direction, bounces, weight, base * part);
+            light += self.glass(struck, material, path, base * part);
             share -= part;
         }
-        if share * weight.max_element() <= NEGLIGIBLE {
+        if share * path.weight.max_element() <= NEGLIGIBLE {
             return light;
         }
         let metallic = if mirror { 0.0 } else { material.metallic };
@@ -98,33 +111,30 @@ impl<'a> Shader<'a> {
             f0: Vec3::splat(0.04).lerp(base, metallic),
             alpha: glossy.then(|| material.roughness.max(MIRROR_ROUGHNESS).powi(2)),
         };
-        let direct = self.direct(struck, direction, &response, weight * share);
+        let direct = self.direct(struck, path.direction, &response, path.weight * share);
         light + (base * scene.sky.ambient + direct) * share
     }
 
-    fn base(&self, struck: &Struck, material: &Material) -> Vec3 {
+    fn base(&self, struck: &Struck, material: &Material, seen: &Footprint) -> Vec3 {
         let world = self.moment.world;
-        let spot = &struck.spot;
-        let mut base = material.base_colour.truncate() * spot.colour.truncate();
+        let mut base = material.base_colour.truncate() * struck.spot.colour.truncate();
         if let Some(texture) = &material.base_texture {
             base *= world
                 .sampler
-                .sample(&world.scene.textures, texture, spot.uv)
+                .sample(&world.scene.textures, texture, seen)
                 .truncate();
         }
         if let Some(procedural) = &material.procedural {
-            base *= pattern(procedural, spot.uv);
+            base *= pattern(procedural, seen.uv, seen.extent());
         }
         base
     }
 
-    fn emitted(&self, struck: &Struck, material: &Material) -> Vec3 {
+    fn emitted(&self, material: &Material, seen: &Footprint) -> Vec3 {
         let world = self.moment.world;
         match &material.emissive_texture {
             Some(texture) if material.emissive != Vec3::ZERO => {
-                let texel = world
-                    .sampler
-                    .sample(&world.scene.textures, texture, struck.spot.uv);
+                let texel = world.sampler.sample(&world.scene.textures, texture, seen);
                 material.emissive * texel.truncate()
             }
             _ => material.emissive,
@@ -157,26 +167,31 @@ impl<'a> Shader<'a> {
         sum
     }
 
-    fn mirrored(&mut self, s: &Struck, direction: Vec3, n: u32, weight: Vec3, tint: Vec3) -> Vec3 {
+    fn mirrored(&mut self, s: &Struck, path: &Path, tint: Vec3) -> Vec3 {
+        let direction = path.direction;
         let mut reflected = direction - s.smooth * (2.0 * direction.dot(s.smooth));
         let below = reflected.dot(s.flat);
         if below < 1e-3 {
             // An interpolated normal can send the ray into the surface: bend it out.
             reflected += s.flat * (1e-3 - below);
         }
-        tint * self.follow(lifted(s.place, s.flat), reflected, n, weight * tint)
+        let bulge = if s.front {
+            s.spot.curvature
+        } else {
+            -s.spot.curvature
+        };
+        let next = Path {
+            direction: reflected,
+            cone: path.cone.reflected(bulge),
+            bounces: path.bounces,
+            weight: path.weight * tint,
+        };
+        tint * self.follow(lifted(s.place, s.flat), next)
     }
 
     /// Smooth glass: reflected and refracted light, weighted by the Fresnel equations.
-    fn glass(
-        &mut self,
-        s: &Struck,
-        material: &Material,
-        direction: Vec3,
-        bounces: u32,
-        weight: Vec3,
-        tint: Vec3,
-    ) -> Vec3 {
+    fn glass(&mut self, s: &Struck, material: &Material, path: &Path, tint: Vec3) -> Vec3 {
+        let direction = path.direction;
         let eta = if s.front {
             1.0 / material.ior.max(1.0)
         } else {
@@ -194,22 +209,35 @@ impl<'a> Shader<'a> {
             let refracted = direction * eta + s.smooth * (eta * cos - cos_in);
             let through = tint * (1.0 - fresnel);
             let origin = lifted(s.place, -s.flat);
-            light += through * self.follow(origin, refracted, bounces, weight * through);
+            let next = Path {
+                direction: refracted,
+                weight: path.weight * through,
+                ..*path
+            };
+            light += through * self.follow(origin, next);
         }
         let whole = Vec3::splat(fresnel * material.transmission);
-        light + self.mirrored(s, direction, bounces, weight, whole)
+        light + self.mirrored(s, path, whole)
     }
 
-    /// Radiance along a bounced ray.
-    fn follow(&mut self, origin: Vec3, direction: Vec3, bounces: u32, weight: Vec3) -> Vec3 {
-        if weight.max_element() < FAINT || bounces >= MAX_BOUNCES {
+    /// Radiance along a bounced ray, whose cone is that at its origin.
+    fn follow(&mut self, origin: Vec3, path: Path) -> Vec3 {
+        if path.weight.max_element() < FAINT || path.bounces >= MAX_BOUNCES {
             // What is not followed any more is taken to be the ambient light.
             return self.moment.world.scene.sky.ambient;
         }
         self.rays.bounce += 1;
-        let direction = direction.normalize_or(Vec3::Y);
+        let direction = path.direction.normalize_or(Vec3::Y);
         match self.moment.closest(origin, direction) {
-            Some(struck) => self.radiance(&struck, direction, bounces + 1, weight),
+            Some(struck) => {
+                let path = Path {
+                    direction,
+                    cone: path.cone.after(struck.t),
+                    bounces: path.bounces + 1,
+                    ..path
+                };
+                self.radiance(&struck, &path)
+            }
             None => self.sky(direction),
         }
     }

@@ -23,7 +23,7 @@ use super::moment::Moment;
 use super::skin::Skinned;
 use super::texture::Sampler;
 use crate::scene::animate::Animation;
-use crate::scene::model::{Lens, Primitive, Scene};
+use crate::scene::model::{Lens, MIRROR_ROUGHNESS, Primitive, Scene};
 
 /// Most object ids, the static world included.
 pub const MAX_OBJECTS: usize = 250;
@@ -123,7 +123,7 @@ impl World {
         };
         let mut world = Self {
             size,
-            sampler: Sampler::new(),
+            sampler: Sampler::new(&scene.textures),
             glowing: (0..scene.materials.len())
                 .map(|m| lights_others(&scene, m))
                 .collect(),
@@ -411,6 +411,11 @@ fn add(scene: &Scene, primitive: &Primitive, pose: &Affine3A, soup: &mut Soup) {
     let porous = material.alpha_cutoff.is_some()
         || material.transmission > 0.0
         || lights_others(scene, primitive.material);
+    let textured = material.base_texture.is_some()
+        || material.emissive_texture.is_some()
+        || material.procedural.is_some();
+    let polished = material.metallic > 0.0 && material.roughness <= MIRROR_ROUGHNESS
+        || material.transmission > 0.0;
     let to_normals = Mat4::from(*pose).inverse().transpose();
     for triangle in &primitive.indices {
         let t = triangle.map(|i| i as usize);
@@ -432,6 +437,8 @@ fn add(scene: &Scene, primitive: &Primitive, pose: &Affine3A, soup: &mut Soup) {
             colours,
             object: 0,
             porous,
+            textured,
+            polished,
         });
     }
 }

@@ -30,7 +30,7 @@ fn check(scene: &str, report: &Value, share: f64) {
 
 #[test]
 fn built_in_scenes() {
-    for scene in unframed_host::scene::builtin::BUILTIN {
+    for scene in unframed_host::scene::builtin::ANIMATIONS {
         let report = run(&[scene, "--seconds", "1", "--every", "15"]);
         check(scene, &report, 0.6);
         assert_eq!(report["samples"], 400_000);

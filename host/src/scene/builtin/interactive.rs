@@ -1,9 +1,11 @@
 //! `interactive`: a hall that somebody looks around in, as with mouse and keys: rest, a quick
 //! turn, rest, a dash.
 //!
-//! What hurts: full stops and sudden starts, a checker floor and brick walls at all distances,
-//! railings and wires thinner than a pixel, a mirror sphere, and a wheel of spokes that turns
-//! under the lamp and throws its shadow through half of the hall.
+//! What hurts: full stops and sudden starts, a checker floor and brick walls at all distances, a
+//! balustrade, a mirror sphere, and a wheel of spokes that turns under the lamp and throws its
+//! shadow through half of the hall.
+//!
+//! `stress` is the same hall with a railing, a grille and wires thinner than a pixel.
 
 use glam::{Quat, Vec2, Vec3};
 
@@ -16,16 +18,24 @@ const HALF: f32 = 6.0;
 const HEIGHT: f32 = 4.0;
 
 pub(super) fn scene() -> Scene {
+    hall("interactive", balustrade)
+}
+
+pub(super) fn stress() -> Scene {
+    hall("stress", railing)
+}
+
+fn hall(name: &str, guard: fn(&mut Stage)) -> Scene {
     let ambient = Vec3::new(0.2, 0.21, 0.24);
     let sky = Sky {
         zenith: Vec3::splat(0.5),
         horizon: Vec3::splat(0.5),
         ambient,
     };
-    let mut stage = Stage::new("interactive", 8.0, sky);
+    let mut stage = Stage::new(name, 8.0, sky);
     shell(&mut stage);
     columns(&mut stage);
-    railing(&mut stage);
+    guard(&mut stage);
     things(&mut stage);
     // Beside the rod of the wheel, whose spokes then cut its light.
     stage.point_light(None, Vec3::new(0.35, 3.65, 0.3), [62.0, 57.0, 48.0]);
@@ -78,7 +88,7 @@ fn shell(stage: &mut Stage) {
         Procedural::Brick {
             size: Vec2::new(0.42, 0.16),
             joint: 0.025,
-            mortar: Vec3::new(0.1, 0.25, 0.4),
+            mortar: Vec3::new(0.55, 0.6, 0.65),
         },
     );
     let stripes = stage.patterned(
@@ -146,6 +156,27 @@ fn columns(stage: &mut Stage) {
     for (x, z) in [(3.2, -3.2), (-3.2, 1.0), (3.4, 2.4)] {
         stage.copy(first, None, Vec3::new(x, 0.0, z));
     }
+}
+
+/// Posts and a rail across one side.
+fn balustrade(stage: &mut Stage) {
+    let stone = stage.matt("balustrade", [0.42, 0.4, 0.37]);
+    let brass = stage.matt("brass", [0.75, 0.5, 0.15]);
+    let mut posts = Shape::of(stone);
+    for i in 0..=10 {
+        let foot = Vec3::new(-5.0 + 0.48 * i as f32, 0.0, 3.6);
+        posts = posts
+            .cuboid(foot + Vec3::Y * 0.04, Vec3::new(0.2, 0.08, 0.2))
+            .cone(foot, foot + Vec3::Y * 0.4, 0.04, 0.09, 14)
+            .cone(foot + Vec3::Y * 0.4, foot + Vec3::Y * 0.95, 0.09, 0.04, 14);
+    }
+    let rail = Shape::of(brass).cuboid(Vec3::new(-2.6, 1.0, 3.6), Vec3::new(5.0, 0.1, 0.16));
+    stage.solid(
+        "balustrade",
+        None,
+        Vec3::ZERO,
+        vec![posts.done(), rail.done()],
+    );
 }
 
 /// A railing of thin bars across one side, and wires over another.

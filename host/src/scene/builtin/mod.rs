@@ -1,5 +1,6 @@
-//! Scenes made in code, after the test animations of Dayal et al. 2005 (§7): scenes that hurt.
+//! Scenes made in code, after the test animations of Dayal et al. 2005 (§7).
 
+mod atelier;
 mod interactive;
 mod shapes;
 mod stage;
@@ -9,7 +10,10 @@ mod walkthrough;
 use crate::scene::model::Scene;
 
 /// Names of the built-in scenes.
-pub const BUILTIN: [&str; 3] = ["interactive", "walkthrough", "toycar"];
+pub const BUILTIN: [&str; 5] = ["interactive", "walkthrough", "toycar", "atelier", "stress"];
+
+/// The animations that methods are compared on.
+pub const ANIMATIONS: [&str; 3] = ["interactive", "walkthrough", "toycar"];
 
 /// A built-in scene by name.
 #[must_use]
@@ -18,6 +22,8 @@ pub fn builtin(name: &str) -> Option<Scene> {
         "interactive" => Some(interactive::scene()),
         "walkthrough" => Some(walkthrough::scene()),
         "toycar" => Some(toycar::scene()),
+        "atelier" => Some(atelier::scene()),
+        "stress" => Some(interactive::stress()),
         _ => None,
     }
 }
@@ -65,6 +71,8 @@ mod tests {
             ("interactive", true),
             ("walkthrough", true),
             ("toycar", false),
+            ("atelier", true),
+            ("stress", true),
         ] {
             let mut world = World::new(builtin(name).unwrap(), [64, 64]).unwrap();
             assert_eq!(world.moves().view, view, "{name}");

@@ -120,6 +120,29 @@ impl Stage {
         });
     }
 
+    /// Parallel light along `direction`, of `irradiance` W/m² on what faces it.
+    pub(super) fn sun(&mut self, direction: Vec3, irradiance: [f32; 3]) {
+        let node = self.node("sun", None, Vec3::ZERO);
+        self.0.nodes[node].rotation = towards(direction);
+        self.0.nodes[node].light = Some(Light {
+            kind: LightKind::Directional,
+            intensity: irradiance.into(),
+            range: f32::INFINITY,
+        });
+    }
+
+    /// Swings a node about an axis of its own, `turns` whole times a loop, to `angle` radians
+    /// either side of its middle.
+    pub(super) fn swing(&mut self, node: usize, axis: Vec3, middle: f32, angle: f32, turns: u32) {
+        let keys = 24 * turns.max(1);
+        let at = |i: u32| i as f32 / keys as f32;
+        let times = (0..=keys).map(|i| self.0.duration as f32 * at(i)).collect();
+        let turn = |i| middle + angle * (std::f32::consts::TAU * turns as f32 * at(i)).sin();
+        let rotations = (0..=keys).map(|i| Quat::from_axis_angle(axis, turn(i)));
+        let track = Track::Rotation(rotations.collect());
+        self.track(node, times, track, Interpolation::Linear);
+    }
+
     /// A track of a node; it loops with the scene.
     pub(super) fn track(
         &mut self,

@@ -1,7 +1,7 @@
 //! `toycar`: a camera at rest watches a toy car that drives around on a polished floor.
 //!
 //! What hurts: wheels with spokes and stripes that spin ten times a second, their shadow and
-//! their mirror image in the floor, a fence thinner than a pixel in front, a striped backdrop
+//! their mirror image in the floor, a fence in front, a striped backdrop
 //! that the car uncovers. Most of the image stands still and should become perfect.
 
 use std::f32::consts::{PI, TAU};
@@ -63,7 +63,7 @@ fn table(stage: &mut Stage) {
         Procedural::Brick {
             size: Vec2::new(0.24, 0.09),
             joint: 0.015,
-            mortar: Vec3::new(0.1, 0.25, 0.4),
+            mortar: Vec3::new(0.55, 0.6, 0.65),
         },
     );
     let (mut mirrors, mut others) = (Shape::of(polished), Shape::of(ivory));
@@ -87,7 +87,7 @@ fn table(stage: &mut Stage) {
 
 /// What stands around: a fence, a tower of rings, a mirror ball, cones.
 fn props(stage: &mut Stage) {
-    let wire = stage.matt("fence", [0.05, 0.05, 0.06]);
+    let wire = stage.matt("fence", [0.35, 0.2, 0.1]);
     let orange = stage.patterned(
         "cone",
         [0.95, 0.35, 0.05],
@@ -99,13 +99,11 @@ fn props(stage: &mut Stage) {
     let silver = stage.mirror("silver", [0.92, 0.93, 0.95], 1.0);
     let teal = stage.matt("rings", [0.05, 0.45, 0.42]);
     let mut fence = Shape::of(wire);
-    for i in 0..=44 {
-        let x = -2.2 + 0.1 * i as f32;
-        fence = fence.bar(Vec3::new(x, 0.0, 1.75), Vec3::new(x, 0.3, 1.75), 0.007, 5);
+    for i in 0..=8 {
+        let x = -2.0 + 0.5 * i as f32;
+        fence = fence.cuboid(Vec3::new(x, 0.11, 1.75), Vec3::new(0.05, 0.22, 0.05));
     }
-    for y in [0.1, 0.2, 0.3] {
-        fence = fence.bar(Vec3::new(-2.2, y, 1.75), Vec3::new(2.2, y, 1.75), 0.008, 5);
-    }
+    fence = fence.cuboid(Vec3::new(0.0, 0.2, 1.75), Vec3::new(4.1, 0.05, 0.03));
     stage.solid("fence", None, Vec3::ZERO, vec![fence.done()]);
 
     let mut tower = Shape::of(teal);

@@ -67,7 +67,7 @@ fn court(stage: &mut Stage) {
         Procedural::Brick {
             size: Vec2::new(0.32, 0.12),
             joint: 0.02,
-            mortar: Vec3::new(0.1, 0.2, 0.32),
+            mortar: Vec3::new(0.55, 0.6, 0.65),
         },
     );
     let tiles = stage.patterned(
@@ -142,7 +142,7 @@ fn arcade(stage: &mut Stage) {
     stage.solid("arches", None, Vec3::ZERO, vec![arches.done(), top.done()]);
 }
 
-/// A gallery's steps with a railing of thin bars, and a trellis.
+/// A gallery's steps with a railing, and trellises.
 fn stairs(stage: &mut Stage) {
     let step = stage.patterned(
         "step",
@@ -159,42 +159,30 @@ fn stairs(stage: &mut Stage) {
         let x = 1.0 + 0.45 * i as f32;
         let h = 0.18 * (i + 1) as f32;
         steps = steps.cuboid(Vec3::new(x, h / 2.0, -5.6), Vec3::new(0.45, h, 1.6));
-        for k in 0..3 {
-            let foot = Vec3::new(x - 0.15 + 0.15 * k as f32, h, -4.86);
-            bars = bars.bar(foot, foot + Vec3::Y * 0.9, 0.01, 6);
-        }
+        let foot = Vec3::new(x, h, -4.86);
+        bars = bars.bar(foot, foot + Vec3::Y * 0.9, 0.03, 8);
     }
     let (low, high) = (Vec3::new(0.8, 1.1, -4.86), Vec3::new(4.4, 2.4, -4.86));
-    let rail = Shape::of(brass).bar(low, high, 0.025, 8);
-    for i in 0..=24 {
-        let s = 0.12 * i as f32;
+    let rail = Shape::of(brass).bar(low, high, 0.04, 10);
+    for i in 0..=5 {
+        let s = 0.576 * i as f32;
         bars = bars
-            .bar(
-                Vec3::new(0.2 + s, 0.0, 3.6),
-                Vec3::new(0.2 + s, 2.0, 3.6),
-                0.009,
-                5,
-            )
-            .bar(
-                Vec3::new(5.6, 0.0, -2.0 + s),
-                Vec3::new(5.6, 2.2, -2.0 + s),
-                0.009,
-                5,
-            );
-        if i < 17 {
-            bars = bars.bar(Vec3::new(5.6, s, -2.0), Vec3::new(5.6, s, 0.88), 0.009, 5);
+            .cuboid(Vec3::new(0.2 + s, 1.0, 3.6), Vec3::new(0.07, 2.0, 0.07))
+            .cuboid(Vec3::new(5.6, 1.1, -2.0 + s), Vec3::new(0.07, 2.2, 0.07));
+        if i < 4 {
+            let across = Vec3::new(5.6, 0.3 + s, -0.56);
+            bars = bars.cuboid(across, Vec3::new(0.06, 0.06, 2.88));
         }
     }
-    let top = Shape::of(brass).bar(Vec3::new(0.1, 2.0, 3.6), Vec3::new(3.2, 2.0, 3.6), 0.03, 8);
+    let top = Shape::of(brass).bar(Vec3::new(0.1, 2.0, 3.6), Vec3::new(3.2, 2.0, 3.6), 0.06, 10);
     let parts = vec![steps.done(), bars.done(), rail.done(), top.done()];
     stage.solid("stairs", None, Vec3::ZERO, parts);
 }
 
-/// A mirror sphere close to the way, the fan under the lamp, a top that spins, wires.
+/// A mirror sphere close to the way, the fan under the lamp, a top that spins.
 fn things(stage: &mut Stage) {
     let silver = stage.mirror("silver", [0.93, 0.93, 0.95], 1.0);
     let blade = stage.matt("blade", [0.3, 0.2, 0.1]);
-    let wire = stage.matt("wire", [0.04, 0.04, 0.05]);
     let paint = stage.patterned(
         "paint",
         [0.95, 0.75, 0.1],
@@ -228,16 +216,4 @@ fn things(stage: &mut Stage) {
     let top = stage.solid("top", Some(lean), Vec3::ZERO, vec![top.done()]);
     stage.spin(lean, Vec3::new(0.2, 1.0, 0.1).normalize(), 1);
     stage.spin(top, Vec3::Y, 10);
-
-    let mut wires = Shape::of(wire);
-    for i in 0..7 {
-        let z = -5.5 + 1.6 * i as f32;
-        wires = wires.bar(
-            Vec3::new(-HALF, 3.1 + 0.05 * i as f32, z),
-            Vec3::new(HALF, 2.9, z + 0.9),
-            0.007,
-            5,
-        );
-    }
-    stage.solid("wires", None, Vec3::ZERO, vec![wires.done()]);
 }

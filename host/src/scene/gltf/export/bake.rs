@@ -6,7 +6,7 @@
 //! the 8-bit rounding of its colours.
 
 use crate::scene::Procedural;
-use crate::trace::{srgb, texture::pattern};
+use crate::trace::{pattern::pattern, srgb};
 use glam::{Vec2, Vec3};
 
 /// Texels along one period of a pattern.
@@ -40,7 +40,7 @@ pub(super) fn bake(procedural: &Procedural, colour: Vec3) -> Baked {
         let corner = Vec2::new(x as f32, y as f32);
         let sum: Vec3 = points
             .iter()
-            .map(|&p| pattern(procedural, (corner + p) * step))
+            .map(|&p| pattern(procedural, (corner + p) * step, Vec2::ZERO))
             .sum();
         let [r, g, b] = srgb::encode8(sum * 0.25 * colour);
         [r, g, b, 255]

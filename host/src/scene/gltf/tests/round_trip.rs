@@ -3,7 +3,7 @@
 use super::*;
 use crate::scene::gltf::{ExportError, export};
 use crate::scene::*;
-use crate::trace::texture::pattern;
+use crate::trace::pattern::pattern;
 use glam::{Mat4, Quat, Vec2, Vec3, Vec4};
 
 /// A scene with one of everything that the format can carry unchanged.
@@ -300,7 +300,8 @@ fn patterns_become_images_that_look_the_same() {
             let texel = (at - at.floor()) * Vec2::new(texture.width as f32, texture.height as f32);
             let [r, g, b, _] =
                 texture.rgba[texel.y as usize * texture.width as usize + texel.x as usize];
-            let expected = crate::trace::srgb::encode8(pattern(&procedural, uv) * colour);
+            let expected =
+                crate::trace::srgb::encode8(pattern(&procedural, uv, Vec2::ZERO) * colour);
             points += 1;
             same += usize::from(
                 [r, g, b]
