@@ -5,6 +5,7 @@
 //! by design (filter widths in steps of 1/8 octave, tile codes, 8-bit colour) is discrete in all.
 
 use crate::config::TimeKernel;
+use crate::taps::Taps;
 use crate::tiles::TileMap;
 use unframed_wire::{Pose, View};
 
@@ -53,6 +54,14 @@ impl Panel {
         self.width as usize * self.height as usize
     }
 
+    /// Index of a pixel of the panel.
+    #[inline]
+    #[must_use]
+    pub fn inside(&self, x: i32, y: i32) -> Option<usize> {
+        let inside = (x as u32) < u32::from(self.width) && (y as u32) < u32::from(self.height);
+        inside.then(|| y as usize * usize::from(self.width) + x as usize)
+    }
+
     /// Index of the pixel nearest to `(x, y)`, which may lie in the guard band.
     #[inline]
     #[must_use]
@@ -80,6 +89,10 @@ pub struct Projected<A: Arith> {
     /// How deep an occluder may lie that could have hidden it since it was taken, at rest and
     /// with moving objects, see [`crate::motion`].
     pub reach: [A::Depth; 2],
+    /// Its colour as received.
+    pub rgb: [u8; 3],
+    /// Whether it belongs to an object that moves.
+    pub moves: bool,
 }
 
 /// A colour and how much is known of it.
@@ -94,9 +107,12 @@ pub struct Texel<A: Arith> {
 /// One pixel's sums for a mean: Σw, Σw·r, Σw·g, Σw·b.
 pub type Sums<A> = [<A as Arith>::Sum; 4];
 /// One pixel's further sums for a plane: Σw·x, Σw·y, Σw·x², Σw·xy, Σw·y², then Σw·x·c and Σw·y·c
-/// of each colour.
-pub type Moments<A> = [<A as Arith>::Sum; 11];
+/// of each colour, then nothing: twelve go in pairs.
+pub type Moments<A> = [<A as Arith>::Sum; 12];
 
+/// log2 of the side, pixels, of the squares that share an anchor: moments are summed from it, so
+/// that one set of features serves all pixels of a footprint.
+pub const ANCHOR_BITS: u32 = 6;
 /// Numbers and the steps whose rounding depends on them.
 pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
     /// A screen coordinate, pixels from the guard band's edge.
@@ -113,6 +129,8 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
     type Width: Copy + Default + Send + Sync + core::fmt::Debug;
     /// A sum of products, one of the pixel's.
     type Sum: Copy + Default + Send + Sync + core::fmt::Debug;
+    /// What a sample adds to a pixel's sums and moments, but for its weight there.
+    type Features: Copy + core::fmt::Debug;
     /// A light value.
     type Light: Copy + Default + PartialEq + Send + Sync + core::fmt::Debug;
     /// A confidence in 0..=1.
@@ -165,8 +183,11 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
         y: Self::Coord,
     ) -> (Self::Log, Self::Width, Self::Width);
 
-    /// Weight of a sample `age` microseconds old.
-    fn decline(kernel: TimeKernel, age: u32, lifetime: Self::Log) -> Self::Weight;
+    /// log2 of an age given in microseconds, in seconds.
+    fn log_of_age(age: u32) -> Self::Log;
+
+    /// Weight of a sample of an age.
+    fn decline(kernel: TimeKernel, age: Self::Log, lifetime: Self::Log) -> Self::Weight;
 
     /// Whether a weight counts at all.
     fn counts(weight: Self::Weight) -> bool;
@@ -177,24 +198,16 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
     /// Adds masses.
     fn add_mass(a: Self::Mass, b: Self::Mass) -> Self::Mass;
 
-    /// The filter width for a mass in 5 × 5 pixels: σ = 0.55·5/√mass in 0.35..=1.2 px.
+    /// The filter width for a mass in 5 × 5 pixels: σ = 0.55·5/√mass, the nearest of the
+    /// [`crate::taps::LEVELS`].
     fn width_of(mass: Self::Mass) -> Self::Width;
 
     /// A filter width given as log2 of σ in pixels with 8 fractional bits.
     fn width(q8: i32) -> Self::Width;
 
-    /// How many pixels beyond its own a sample's footprint reaches: 3 σ, at most [`REACH`].
-    fn reach(width: Self::Width) -> i32;
-
-    /// Filter taps of a width at the distances of coordinate `v` from the centres of `pixel` and
-    /// the pixels after it: e^(−d²/2σ²), zero beyond 3 σ and beyond [`REACH`].
-    fn taps(
-        panel: &Panel,
-        width: Self::Width,
-        v: Self::Coord,
-        pixel: i32,
-        taps: &mut [Self::Weight],
-    );
+    /// Filter taps of a width along an axis for a sample at coordinate `v`: e^(−d²/2σ²) at the
+    /// distances from the pixels' centres, zero beyond 3 σ and beyond [`REACH`].
+    fn taps(panel: &Panel, width: Self::Width, v: Self::Coord) -> Taps<Self::Weight>;
 
     /// Product of weights.
     fn times(a: Self::Weight, b: Self::Weight) -> Self::Weight;
@@ -202,18 +215,29 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
     /// A light of 16 bits.
     fn light(v: u16) -> Self::Light;
 
-    /// Adds one sample's share to a pixel's sums.
-    fn add(sums: &mut Sums<Self>, weight: Self::Weight, light: [Self::Light; 3]);
-
-    /// Adds one sample's share to a pixel's moments; (x, y) from the pixel's centre.
-    fn add_moments(
-        moments: &mut Moments<Self>,
+    /// What a sample adds to sums: 1, its light, and with (x, y) its place from the anchor of
+    /// square `anchor` (column and row in squares of 2^[`ANCHOR_BITS`] pixels): x, y, x², xy, y²,
+    /// x·light, y·light.
+    fn features(
         panel: &Panel,
-        weight: Self::Weight,
         light: [Self::Light; 3],
         at: (Self::Coord, Self::Coord),
+        anchor: (i32, i32),
+    ) -> Self::Features;
+
+    /// Adds weighted features to sums.
+    fn add(sums: &mut Sums<Self>, weight: Self::Weight, features: &Self::Features);
+
+    /// Adds weighted features to moments.
+    fn add_moments(moments: &mut Moments<Self>, weight: Self::Weight, features: &Self::Features);
+
+    /// Moments about a pixel's centre from those about its square's anchor; `pixel` as column and
+    /// row within the square.
+    fn centred(
+        sums: &Sums<Self>,
+        moments: &Moments<Self>,
         pixel: (i32, i32),
-    );
+    ) -> Moments<Self>;
 
     /// The weighted mean; nothing known where nothing was added.
     fn mean(sums: &Sums<Self>) -> Texel<Self>;

@@ -3,16 +3,15 @@
 //! It never asks for anything and trusts nothing: what it cannot place or does not understand is
 //! counted and left out.
 
-use crate::arith::{Arith, Panel, Projected};
-use crate::config::{Config, Extents, Fit, Lifetime, Light, Mode};
-use crate::deep::{DeepBuffer, Placing, Stored, age, slot};
+use crate::arith::{Arith, Moments, Panel, Projected, Sums};
+use crate::config::{Config, Fit, Mode};
+use crate::deep::{DeepBuffer, Placing, Stored, slot};
 use crate::memory::{Memory, SetupError, Slot};
 use crate::motion::{Motion, Reach};
-use crate::splat::{self, Target};
-use crate::tables::{SRGB_TO_LINEAR, linear_to_srgb};
 use crate::tiles::TileMap;
 use crate::transform::{pose_is_sound, view_is_sound};
-use crate::{fill, hidden, solve};
+use crate::workers::{Alone, Workers};
+use crate::{fill, hidden};
 use unframed_wire::{
     Hello, Layout, Packet, Pose, Refresh, ScreenSample, Tick, Tile, View, WorldSample,
 };
@@ -51,22 +50,26 @@ pub struct Counts {
 
 /// A display with its storage.
 #[derive(Debug)]
-pub struct Display<'a, A: Arith> {
-    config: Config,
-    panel: Panel,
-    deep: DeepBuffer<'a>,
-    tiles: TileMap<'a>,
-    projected: &'a mut [Projected<A>],
-    minima: &'a mut [A::Depth],
-    limits: &'a mut [A::Depth],
-    movers: &'a mut [u8],
-    mass: &'a mut [A::Mass],
-    widths: &'a mut [A::Width],
-    target: Target<'a, A>,
-    texels: &'a mut [crate::arith::Texel<A>],
+pub struct Display<'a, A: Arith, W: Workers = Alone> {
+    pub(crate) config: Config,
+    pub(crate) workers: W,
+    pub(crate) panel: Panel,
+    pub(crate) deep: DeepBuffer<'a>,
+    pub(crate) tiles: TileMap<'a>,
+    pub(crate) projected: &'a mut [Projected<A>],
+    pub(crate) sorted: &'a mut [Projected<A>],
+    pub(crate) starts: &'a mut [u32],
+    pub(crate) minima: &'a mut [A::Depth],
+    pub(crate) limits: &'a mut [A::Depth],
+    pub(crate) movers: &'a mut [u8],
+    pub(crate) mass: &'a mut [A::Mass],
+    pub(crate) widths: &'a mut [A::Width],
+    pub(crate) sums: &'a mut [Sums<A>],
+    pub(crate) moments: &'a mut [Moments<A>],
+    pub(crate) texels: &'a mut [crate::arith::Texel<A>],
     pyramid: &'a mut [crate::arith::Texel<A>],
-    slots: &'a mut [Slot<A>],
-    picture: &'a mut [[u8; 3]],
+    pub(crate) slots: &'a mut [Slot<A>],
+    pub(crate) picture: &'a mut [[u8; 3]],
     hello: Option<Hello>,
     view: Option<View>,
     composed: bool,
@@ -80,6 +83,22 @@ impl<'a, A: Arith> Display<'a, A> {
     /// # Errors
     /// When the size is out of range or a slice is too short.
     pub fn new(
+        config: Config,
+        width: u16,
+        height: u16,
+        memory: Memory<'a, A>,
+    ) -> Result<Self, SetupError> {
+        Self::with_workers(Alone, config, width, height, memory)
+    }
+}
+
+impl<'a, A: Arith, W: Workers> Display<'a, A, W> {
+    /// The same with threads of one's own: equal bits for any number.
+    ///
+    /// # Errors
+    /// When the size is out of range or a slice is too short.
+    pub fn with_workers(
+        workers: W,
         config: Config,
         width: u16,
         height: u16,
@@ -100,19 +119,20 @@ impl<'a, A: Arith> Display<'a, A> {
         let moments = if planes { pixels } else { 0 };
         Ok(Self {
             config,
+            workers,
             panel,
             deep: DeepBuffer::new(memory.samples),
             tiles,
             projected: memory.projected,
+            sorted: memory.sorted,
+            starts: memory.starts,
             minima: &mut memory.minima[..hidden::minima_len(width, height)],
             limits: &mut memory.limits[..pixels],
             movers: &mut memory.movers[..pixels],
             mass: &mut memory.mass[..pixels],
             widths: &mut memory.widths[..pixels],
-            target: Target {
-                sums: &mut memory.sums[..pixels],
-                moments: &mut memory.moments[..moments],
-            },
+            sums: &mut memory.sums[..pixels],
+            moments: &mut memory.moments[..moments],
             texels: &mut memory.texels[..pixels],
             pyramid: memory.pyramid,
             slots: memory.slots,
@@ -332,34 +352,7 @@ impl<'a, A: Arith> Display<'a, A> {
         }
         self.compose();
         let reach = self.reach(refresh.time);
-        self.project(refresh.time, &reach);
-        let len = self.deep.len();
-        if self.config.hidden {
-            let panel = &self.panel;
-            let projected = self.projected.get_mut(..len).unwrap_or_default();
-            hidden::nearest(panel, projected, self.minima);
-            hidden::limits::<A>(panel, self.minima, self.limits);
-            hidden::mark_movers(panel, self.deep.samples(), projected, self.movers);
-            hidden::drop(panel, self.limits, self.movers, projected);
-        }
-        self.set_widths();
-        let light = match self.config.light {
-            Light::Linear => &SRGB_TO_LINEAR,
-            Light::Encoded => &ENCODED,
-        };
-        let projected = self.projected.get(..len).unwrap_or_default();
-        splat::scatter(
-            &self.panel,
-            self.deep.samples(),
-            projected,
-            light,
-            &mut self.target,
-        );
-        if self.config.fit == Fit::Linear {
-            solve::planes::<A>(self.target.sums, self.target.moments, self.texels);
-        } else {
-            solve::means::<A>(self.target.sums, self.texels);
-        }
+        self.filter(refresh.time, &reach);
         if self.config.fill {
             let (width, height) = (self.panel.width.into(), self.panel.height.into());
             fill::fill(width, height, self.texels, self.pyramid);
@@ -375,87 +368,6 @@ impl<'a, A: Arith> Display<'a, A> {
                 self.motion.reach(view)
             }
             None => self.motion.reach(&NO_VIEW),
-        }
-    }
-
-    /// Moves every stored sample to the refresh instant and weighs it by its age.
-    fn project(&mut self, now: Tick, reach: &Reach<A>) {
-        let (config, panel) = (&self.config, &self.panel);
-        for (sample, projected) in self.deep.samples_mut().iter_mut().zip(&mut *self.projected) {
-            *projected = Projected::default();
-            let Some(age) = age(sample.time, now) else {
-                sample.placing = Placing::Empty;
-                continue;
-            };
-            let place = match sample.placing {
-                Placing::Empty => None,
-                Placing::Screen => {
-                    let [x, y, _] = sample.place.map(|v| A::from_sixteenths(panel, v as u16));
-                    Some((x, y, A::Depth::default()))
-                }
-                Placing::Lattice => self
-                    .slots
-                    .get(usize::from(sample.slot))
-                    .and_then(|slot| slot.transform.as_ref())
-                    .and_then(|transform| A::project(transform, panel, sample.place)),
-            };
-            let Some((x, y, depth)) = place else { continue };
-            let (mut lifetime, mut widths) = (A::Log::default(), [A::Width::default(); 2]);
-            if config.extents == Extents::Gradient || config.lifetime == Lifetime::Gradient {
-                let (et, wx, wy) = A::extents(&self.tiles, panel, x, y);
-                (lifetime, widths) = (et, [wx, wy]);
-            }
-            match config.lifetime {
-                Lifetime::Constant(log) => lifetime = A::log(log),
-                Lifetime::Tiles => lifetime = A::lifetime(&self.tiles, panel, x, y),
-                Lifetime::Gradient => {}
-            }
-            if let Extents::Constant(log) = config.extents {
-                widths = [A::width(log.into()); 2];
-            }
-            let weight = A::decline(config.kernel, age, lifetime);
-            // A sample of a moving object may itself have moved behind something.
-            let moves = sample.slot > slot(0);
-            let reach = [reach.of(age, moves), reach.of(age, true)];
-            *projected = Projected {
-                x,
-                y,
-                depth,
-                weight,
-                widths,
-                reach,
-            };
-        }
-    }
-
-    fn set_widths(&mut self) {
-        if self.config.extents != Extents::Density {
-            return;
-        }
-        let panel = &self.panel;
-        let projected = self.projected.get_mut(..self.deep.len());
-        let projected = projected.unwrap_or_default();
-        splat::masses(panel, projected, self.mass);
-        splat::widths::<A>(panel, self.mass, self.widths);
-        for sample in projected {
-            let pixel = panel.nearest(A::pixel(panel, sample.x), A::pixel(panel, sample.y));
-            sample.widths = [self.widths.get(pixel).copied().unwrap_or_default(); 2];
-        }
-    }
-
-    /// Light to the panel's codes. Pixels of which nothing is known keep what they show.
-    fn encode(&mut self) {
-        for (texel, pixel) in self.texels.iter().zip(&mut *self.picture) {
-            if texel.confidence == A::Confidence::default() {
-                continue;
-            }
-            *pixel = texel.light.map(|light| {
-                let light = A::to_u16(light);
-                match self.config.light {
-                    Light::Linear => linear_to_srgb(light),
-                    Light::Encoded => ((u32::from(light) + 128) / 257) as u8,
-                }
-            });
         }
     }
 }

@@ -1,12 +1,14 @@
 //! The deployed arithmetic: integers alone. Formats and bounds are in `docs/NUMERICS.md`.
 
-use crate::arith::{Arith, GUARD, Moments, Panel, REACH, Sums, Texel};
+use crate::arith::{ANCHOR_BITS, Arith, GUARD, Moments, Panel, Sums, Texel};
 use crate::config::TimeKernel;
 use crate::extents;
+use crate::lanes::{Pair, Weight};
 use crate::num::{
-    Divider, exp2, exp2_negative, exponent, log2_q11, mul_hi, normalise, reciprocal, shift,
+    Divider, exponent, log2_q11, mul_hi, normalise, reciprocal, shift,
 };
 use crate::tables::{TIME, TIME_FIRST};
+use crate::taps::{self, DISTANCE_BITS, Taps};
 use crate::tiles::{CELL_BITS, Cell, TileMap};
 use crate::transform::Transform;
 use unframed_wire::{LogCode, Pose, View};
@@ -25,24 +27,20 @@ const ONE: u32 = 1 << 15;
 const LOG2_MICROS: i32 = 40820;
 /// Weight at which a pixel is known well enough: 0.3.
 const ENOUGH: u64 = 9830;
-/// Fractional bits of pixel distances. A coordinate is rounded down to at most 7 bits, so it
-/// stands for the middle of its step and a distance needs one bit more.
-const DISTANCE_BITS: u32 = 8;
 /// The most that one pixel's mass counts: 64 samples, where σ is at its least anyway.
 const MASS_LIMIT: u32 = 64 << 15;
 /// The ridge on the plane's slopes, px² with 20 fractional bits, see [`crate::solve`].
 const RIDGE: i64 = crate::solve::RIDGE_Q20;
 
-/// The distance of a coordinate from the centre of a pixel.
+/// A coordinate's place in distance units from the guard's edge: the middle of its step.
 #[inline]
-fn distance(panel: &Panel, v: u16, pixel: i32) -> i32 {
-    let bits = u32::from(panel.frac_bits);
-    let steps = 2 * i32::from(v) + 1 - (2 * (pixel + GUARD) + 1) * (1 << bits);
-    steps << (DISTANCE_BITS - 1 - bits)
+fn middle(panel: &Panel, v: u16) -> i32 {
+    (2 * i32::from(v) + 1) << (DISTANCE_BITS - 1 - u32::from(panel.frac_bits))
 }
 
 /// Where a coordinate lies between the centres of cells: the cell before, and the way to the
 /// next in 1/512.
+#[inline]
 fn between_cells(panel: &Panel, v: u16) -> (i32, i32) {
     let bits = u32::from(panel.frac_bits);
     let from_centre = i32::from(v) - (GUARD << bits) - ((1 << CELL_BITS >> 1) << bits);
@@ -52,8 +50,10 @@ fn between_cells(panel: &Panel, v: u16) -> (i32, i32) {
 }
 
 /// A tile quantity, bilinear between cells: log2 with 11 fractional bits.
+#[inline]
 fn bilinear(cells: &[Cell; 4], fx: i32, fy: i32, of: impl Fn(&Cell) -> LogCode) -> i32 {
-    let [a, b, c, d] = [0, 1, 2, 3].map(|i| of(&cells[i]).log2_q8());
+    let log = |i: usize| of(&cells[i]).log2_q8();
+    let (a, b, c, d) = (log(0), log(1), log(2), log(3));
     // |log2| ≤ 2^12 with 8 fractional bits, times 2^18.
     let top = a * (512 - fx) + b * fx;
     let bottom = c * (512 - fx) + d * fx;
@@ -68,6 +68,7 @@ impl Arith for Fixed {
     type Log = i32;
     type Width = i16;
     type Sum = i64;
+    type Features = [Pair; 8];
     type Light = u16;
     type Confidence = u16;
     type Transform = Transform;
@@ -102,6 +103,7 @@ impl Arith for Fixed {
         Some((quotient(x), quotient(y), depth.clamp(0, 65534) as u16))
     }
 
+    #[inline]
     fn from_sixteenths(panel: &Panel, v: u16) -> u16 {
         let v = u32::from(v) + ((GUARD as u32) << 4);
         ((v << panel.frac_bits) >> 4).min(u32::from(u16::MAX)) as u16
@@ -140,6 +142,7 @@ impl Arith for Fixed {
         i32::from(q8) << 3
     }
 
+    #[inline]
     fn extents(map: &TileMap<'_>, panel: &Panel, x: u16, y: u16) -> (i32, i16, i16) {
         let ((column, fx), (row, fy)) = (between_cells(panel, x), between_cells(panel, y));
         let cells = map.around(column, row);
@@ -155,13 +158,18 @@ impl Arith for Fixed {
     }
 
     #[inline]
-    fn decline(kernel: TimeKernel, age: u32, lifetime: i32) -> u16 {
+    fn log_of_age(age: u32) -> i32 {
+        log2_q11(u64::from(age)) - LOG2_MICROS
+    }
+
+    #[inline]
+    fn decline(kernel: TimeKernel, age: i32, lifetime: i32) -> u16 {
         let table = match kernel {
             TimeKernel::Rational => &TIME[0],
             TimeKernel::Gaussian => &TIME[1],
             TimeKernel::Exponential => &TIME[2],
         };
-        let u = log2_q11(u64::from(age)) - LOG2_MICROS - lifetime - 8 * TIME_FIRST;
+        let u = age - lifetime - 8 * TIME_FIRST;
         let u = u.max(0) as usize;
         let (Some(a), Some(b)) = (table.get(u >> 3), table.get((u >> 3) + 1)) else {
             return 0;
@@ -189,8 +197,7 @@ impl Arith for Fixed {
     fn width_of(mass: u32) -> i16 {
         // log2(0.55 · 5) is 2989; a mass has 15 fractional bits.
         let sigma = 2989 - ((log2_q11(u64::from(mass.max(1))) - 15 * 2048) >> 1);
-        // log2 0.35 and log2 1.2.
-        sigma.clamp(-3102, 539) as i16
+        taps::width(taps::level(sigma))
     }
 
     fn width(q8: i32) -> i16 {
@@ -198,25 +205,9 @@ impl Arith for Fixed {
     }
 
     #[inline]
-    fn reach(width: i16) -> i32 {
-        // A sample lies up to half a pixel from its pixel's centre.
-        ((reach(width) as i32 + (3 << DISTANCE_BITS >> 1) - 1) >> DISTANCE_BITS).min(REACH)
-    }
-
-    #[inline]
-    fn taps(panel: &Panel, width: i16, v: u16, pixel: i32, taps: &mut [u16]) {
-        let reach = reach(width);
-        // log2(e)/2σ² with 12 fractional bits; log2 of log2(e)/2 is −965.
-        let steepness = exp2(-965 - 2 * i32::from(width), 12);
-        for (tap, pixel) in taps.iter_mut().zip(pixel..) {
-            let d = distance(panel, v, pixel).unsigned_abs();
-            *tap = if d < reach {
-                // Below 4.5·log2(e) with 16 + 12 fractional bits.
-                exp2_negative((d * d * steepness) >> 16) as u16
-            } else {
-                0
-            };
-        }
+    fn taps(panel: &Panel, width: i16, v: u16) -> Taps<u16> {
+        let bits = u32::from(panel.frac_bits);
+        taps::taps(width, u32::from(v) & ((1 << bits) - 1), bits)
     }
 
     #[inline]
@@ -230,39 +221,74 @@ impl Arith for Fixed {
     }
 
     #[inline]
-    fn add(sums: &mut Sums<Self>, weight: u16, light: [u16; 3]) {
-        // A share is below 2^31: 2^32 samples on one pixel would fit.
-        sums[0] += i64::from(weight);
-        for (sum, light) in sums[1..].iter_mut().zip(light) {
-            *sum += i64::from(u32::from(weight) * u32::from(light));
+    fn features(
+        panel: &Panel,
+        light: [u16; 3],
+        at: (u16, u16),
+        anchor: (i32, i32),
+    ) -> [Pair; 8] {
+        // The square and a guard on both sides: below 2^16, products below 2^32.
+        let from = |v, anchor| (middle(panel, v) - (anchor << (ANCHOR_BITS + DISTANCE_BITS))) as u32;
+        let (x, y) = (from(at.0, anchor.0), from(at.1, anchor.1));
+        let [r, g, b] = light.map(u32::from);
+        let times = u32::wrapping_mul;
+        [
+            Pair::new(1, r),
+            Pair::new(g, b),
+            Pair::new(x, y),
+            Pair::new(times(x, x), times(x, y)),
+            Pair::new(times(y, y), times(x, r)),
+            Pair::new(times(x, g), times(x, b)),
+            Pair::new(times(y, r), times(y, g)),
+            Pair::new(times(y, b), 0),
+        ]
+    }
+
+    #[inline]
+    fn add(sums: &mut Sums<Self>, weight: u16, features: &[Pair; 8]) {
+        // A share of light is below 2^31: 2^32 samples on one pixel would fit.
+        let weight = Weight::new(weight);
+        for (sums, pair) in sums.as_chunks_mut().0.iter_mut().zip(&features[..2]) {
+            pair.add_to(weight, sums);
         }
     }
 
     #[inline]
-    fn add_moments(
-        moments: &mut Moments<Self>,
-        panel: &Panel,
-        weight: u16,
-        light: [u16; 3],
-        at: (u16, u16),
-        pixel: (i32, i32),
-    ) {
-        let (x, y) = (
-            distance(panel, at.0, pixel.0),
-            distance(panel, at.1, pixel.1),
-        );
-        let w = i32::from(weight);
-        // |x| < 2^11 within a footprint: w·x < 2^26, w·x² < 2^37, w·x·light < 2^42.
-        let (wx, wy) = (i64::from(w * x), i64::from(w * y));
-        moments[0] += wx;
-        moments[1] += wy;
-        moments[2] += wx * i64::from(x);
-        moments[3] += wx * i64::from(y);
-        moments[4] += wy * i64::from(y);
-        for (c, light) in light.into_iter().enumerate() {
-            moments[5 + c] += wx * i64::from(light);
-            moments[8 + c] += wy * i64::from(light);
+    fn add_moments(moments: &mut Moments<Self>, weight: u16, features: &[Pair; 8]) {
+        // Moments about the anchor may wrap; what `centred` makes of them fits again.
+        let weight = Weight::new(weight);
+        for (sums, pair) in moments.as_chunks_mut().0.iter_mut().zip(&features[2..]) {
+            pair.add_to(weight, sums);
         }
+    }
+
+    #[inline]
+    fn centred(sums: &Sums<Self>, moments: &Moments<Self>, pixel: (i32, i32)) -> Moments<Self> {
+        // Anchors lie a guard before their square: see `middle`.
+        let centre = |pixel: i32| {
+            i64::from(((pixel + GUARD) << DISTANCE_BITS) + (1 << (DISTANCE_BITS - 1)))
+        };
+        let (cx, cy) = (centre(pixel.0), centre(pixel.1));
+        // a − c·b, modulo 2^64.
+        let less = |a: i64, c: i64, b: i64| a.wrapping_sub(c.wrapping_mul(b));
+        let [w, r, g, b] = *sums;
+        let [x, y, xx, xy, yy, xr, xg, xb, yr, yg, yb, _] = *moments;
+        let (x1, y1) = (less(x, cx, w), less(y, cy, w));
+        [
+            x1,
+            y1,
+            // Σw(x−c)² = Σwx² − cΣwx − cΣw(x−c).
+            less(less(xx, cx, x), cx, x1),
+            less(less(xy, cx, y), cy, x1),
+            less(less(yy, cy, y), cy, y1),
+            less(xr, cx, r),
+            less(xg, cx, g),
+            less(xb, cx, b),
+            less(yr, cy, r),
+            less(yg, cy, g),
+            less(yb, cy, b),
+            0,
+        ]
     }
 
     #[inline]
@@ -271,13 +297,15 @@ impl Arith for Fixed {
             return Texel::default();
         }
         let divider = Divider::new(sums[0] as u64);
+        // The mean of 16-bit lights comes with 15 fractional bits.
+        let light = |c: usize| to_light(i64::from(divider.ratio(sums[c], 16)));
         Texel {
-            // The mean of 16-bit lights comes with 15 fractional bits.
-            light: [1, 2, 3].map(|c| to_light(i64::from(divider.ratio(sums[c], 16)))),
+            light: [light(1), light(2), light(3)],
             confidence: confidence(sums[0]),
         }
     }
 
+    #[inline]
     fn plane(sums: &Sums<Self>, moments: &Moments<Self>) -> Texel<Self> {
         if sums[0] <= 0 {
             return Texel::default();
@@ -285,7 +313,7 @@ impl Arith for Fixed {
         let divider = Divider::new(sums[0] as u64);
         // Means: lights with 15 fractional bits; x, y in px with 20; squares in px² with 20.
         let mean = |v: i64, bits: i32| i64::from(divider.ratio(v, bits));
-        let c: [i64; 3] = [1, 2, 3].map(|k| mean(sums[k], 16));
+        let c = [mean(sums[1], 16), mean(sums[2], 16), mean(sums[3], 16)];
         // |x| < 2^11 in 1/256 px: 20 + 8 fractional bits of a pixel.
         let x = mean(moments[0], 11) >> 8;
         let y = mean(moments[1], 11) >> 8;
@@ -301,14 +329,14 @@ impl Arith for Fixed {
         // Numerators below 2^22·2^25 px³; |h| ≤ 4 px/RIDGE < 2^8 a pixel: 23 fractional bits.
         let hx = i64::from(by.ratio((yy * x - xy * y) >> 12, -4)) >> 11;
         let hy = i64::from(by.ratio((xx * y - xy * x) >> 12, -4)) >> 11;
-        let light = [0, 1, 2].map(|k| {
+        let light = |k: usize| {
             // |x·light| < 2^27 in 1/256 px: 4 + 8 fractional bits, as light·px with 12.
             let cx = mean(moments[5 + k], 27) - ((c[k] * x) >> 23);
             let cy = mean(moments[8 + k], 27) - ((c[k] * y) >> 23);
             to_light(c[k] - ((cx * hx + cy * hy) >> 9))
-        });
+        };
         Texel {
-            light,
+            light: [light(0), light(1), light(2)],
             confidence: confidence(sums[0]),
         }
     }
@@ -320,15 +348,13 @@ impl Arith for Fixed {
             return Texel::default();
         }
         let divider = Divider::new(u64::from(total));
-        let light = [0, 1, 2].map(|c| {
-            let sum: u64 = children
-                .iter()
-                .map(|t| u64::from(t.light[c]) * u64::from(t.confidence))
-                .sum();
+        let light = |c: usize| {
+            let of = |t: &Texel<Self>| u64::from(t.light[c]) * u64::from(t.confidence);
+            let sum: u64 = children.iter().map(of).sum();
             to_light(i64::from(divider.ratio(sum as i64, 16)))
-        });
+        };
         Texel {
-            light,
+            light: [light(0), light(1), light(2)],
             confidence: total.min(ONE) as u16,
         }
     }
@@ -339,39 +365,31 @@ impl Arith for Fixed {
         if own >= ONE {
             return fine;
         }
-        let light = [0, 1, 2].map(|c| {
-            let around: u32 = coarse
-                .iter()
-                .zip([9, 3, 3, 1])
-                .map(|(t, weight)| u32::from(t.light[c]) * weight)
-                .sum();
-            let around = (around + 8) >> 4;
+        let light = |c: usize| {
+            let of = |i: usize| u32::from(coarse[i].light[c]);
+            let around = (9 * of(0) + 3 * of(1) + 3 * of(2) + of(3) + 8) >> 4;
             ((own * u32::from(fine.light[c]) + (ONE - own) * around + (ONE >> 1)) >> 15) as u16
-        });
+        };
         Texel {
-            light,
+            light: [light(0), light(1), light(2)],
             confidence: ONE as u16,
         }
     }
 
+    #[inline]
     fn to_u16(light: u16) -> u16 {
         light
     }
 }
 
-/// 3 σ in units of a distance, below [`REACH`] pixels.
-#[inline]
-fn reach(width: i16) -> u32 {
-    // log2 3 is 3246.
-    exp2(i32::from(width) + 3246, DISTANCE_BITS as i32).min((REACH as u32) << DISTANCE_BITS)
-}
-
 /// A light of 15 fractional bits, rounded and clamped.
+#[inline]
 fn to_light(v: i64) -> u16 {
     ((v + (1 << 14)) >> 15).clamp(0, 65535) as u16
 }
 
 /// min(1, weight/0.3).
+#[inline]
 fn confidence(weight: i64) -> u16 {
     let weight = (weight as u64).min(ENOUGH) as u32;
     ((weight * ONE) / ENOUGH as u32) as u16

@@ -2,9 +2,10 @@
 //!
 //! Nothing of this decides the deployed picture; it may use library functions.
 
-use crate::arith::{Arith, GUARD, Moments, Panel, REACH, Sums, Texel};
+use crate::arith::{ANCHOR_BITS, Arith, GUARD, Moments, Panel, REACH, Sums, Texel};
 use crate::config::TimeKernel;
 use crate::extents;
+use crate::taps::{self, SPAN, Taps};
 use crate::tiles::{CELL, Cell, TileMap};
 use unframed_wire::{LogCode, Pose, View};
 
@@ -25,6 +26,7 @@ macro_rules! float_arith {
             type Log = $float;
             type Width = $float;
             type Sum = $float;
+            type Features = [$float; 15];
             type Light = $float;
             type Confidence = $float;
             type Transform = FloatTransform<$float>;
@@ -123,8 +125,12 @@ macro_rules! float_arith {
                 (et as $float / 256.0, width(ex), width(ey))
             }
 
-            fn decline(kernel: TimeKernel, age: u32, lifetime: $float) -> $float {
-                let u = age as $float * 1e-6 / $exp2(lifetime);
+            fn log_of_age(age: u32) -> $float {
+                $log2(age as $float * 1e-6)
+            }
+
+            fn decline(kernel: TimeKernel, age: $float, lifetime: $float) -> $float {
+                let u = $exp2(age - lifetime);
                 if u >= 16.0 {
                     return 0.0;
                 }
@@ -155,64 +161,109 @@ macro_rules! float_arith {
                 } else {
                     mass
                 };
-                ($log2(2.75) - 0.5 * $log2(mass)).clamp($log2(0.35), $log2(1.2))
+                let sigma = $log2(2.75) - 0.5 * $log2(mass);
+                // Widths are discrete by design: the same steps as in integers.
+                let level = taps::level($floor(sigma * 2048.0 + 0.5) as i32);
+                <$float>::from(taps::width(level)) / 2048.0
             }
 
             fn width(q8: i32) -> $float {
                 q8.clamp(-512, 512) as $float / 256.0
             }
 
-            fn reach(width: $float) -> i32 {
-                ($floor($exp2(width) * 3.0 + 1.5) as i32).min(REACH)
-            }
-
-            fn taps(_: &Panel, width: $float, v: $float, pixel: i32, taps: &mut [$float]) {
+            fn taps(_: &Panel, width: $float, v: $float) -> Taps<$float> {
                 let sigma = $exp2(width);
-                for (tap, pixel) in taps.iter_mut().zip(pixel..) {
-                    let d = (v - (pixel + GUARD) as $float - 0.5).abs();
-                    let inside = d < 3.0 * sigma && d < REACH as $float;
-                    *tap = if inside {
-                        $exp(-0.5 * (d / sigma) * (d / sigma))
-                    } else {
-                        0.0
-                    };
+                let from_middle = v - $floor(v) - 0.5;
+                let mut taps = Taps {
+                    weights: [0.0; SPAN],
+                    first: REACH,
+                    last: -REACH,
+                };
+                for (tap, pixel) in taps.weights.iter_mut().zip(-REACH..) {
+                    let d = (from_middle - pixel as $float).abs();
+                    if d < 3.0 * sigma && d < REACH as $float {
+                        *tap = $exp(-0.5 * (d / sigma) * (d / sigma));
+                        taps.first = taps.first.min(pixel);
+                        taps.last = pixel;
+                    }
                 }
+                taps
             }
 
             fn times(a: $float, b: $float) -> $float {
-                a * b
+                // Where integers have nothing, nothing: the same samples take part.
+                let product = a * b;
+                if Self::counts(product) { product } else { 0.0 }
             }
 
             fn light(v: u16) -> $float {
                 <$float>::from(v)
             }
 
-            fn add(sums: &mut Sums<Self>, weight: $float, light: [$float; 3]) {
-                sums[0] += weight;
-                for (sum, light) in sums[1..].iter_mut().zip(light) {
-                    *sum += weight * light;
+            fn features(
+                _: &Panel,
+                light: [$float; 3],
+                at: ($float, $float),
+                anchor: (i32, i32),
+            ) -> [$float; 15] {
+                let from = |v: $float, anchor: i32| v - (anchor << ANCHOR_BITS) as $float;
+                let (x, y) = (from(at.0, anchor.0), from(at.1, anchor.1));
+                let [r, g, b] = light;
+                [
+                    1.0,
+                    r,
+                    g,
+                    b,
+                    x,
+                    y,
+                    x * x,
+                    x * y,
+                    y * y,
+                    x * r,
+                    x * g,
+                    x * b,
+                    y * r,
+                    y * g,
+                    y * b,
+                ]
+            }
+
+            fn add(sums: &mut Sums<Self>, weight: $float, features: &[$float; 15]) {
+                for (sum, feature) in sums.iter_mut().zip(features) {
+                    *sum += weight * feature;
                 }
             }
 
-            fn add_moments(
-                moments: &mut Moments<Self>,
-                _: &Panel,
-                weight: $float,
-                light: [$float; 3],
-                at: ($float, $float),
-                pixel: (i32, i32),
-            ) {
-                let x = at.0 - (pixel.0 + GUARD) as $float - 0.5;
-                let y = at.1 - (pixel.1 + GUARD) as $float - 0.5;
-                moments[0] += weight * x;
-                moments[1] += weight * y;
-                moments[2] += weight * x * x;
-                moments[3] += weight * x * y;
-                moments[4] += weight * y * y;
-                for (c, light) in light.into_iter().enumerate() {
-                    moments[5 + c] += weight * x * light;
-                    moments[8 + c] += weight * y * light;
+            fn add_moments(moments: &mut Moments<Self>, weight: $float, features: &[$float; 15]) {
+                for (sum, feature) in moments.iter_mut().zip(&features[4..]) {
+                    *sum += weight * feature;
                 }
+            }
+
+            fn centred(
+                sums: &Sums<Self>,
+                moments: &Moments<Self>,
+                pixel: (i32, i32),
+            ) -> Moments<Self> {
+                let centre = |pixel: i32| (pixel + GUARD) as $float + 0.5;
+                let (cx, cy) = (centre(pixel.0), centre(pixel.1));
+                let [w, r, g, b] = *sums;
+                let [x, y, xx, xy, yy, xr, xg, xb, yr, yg, yb, _] = *moments;
+                let (x1, y1) = (x - cx * w, y - cy * w);
+                [
+                    x1,
+                    y1,
+                    xx - cx * x - cx * x1,
+                    xy - cx * y - cy * x1,
+                    yy - cy * y - cy * y1,
+                    xr - cx * r,
+                    xg - cx * g,
+                    xb - cx * b,
+                    yr - cy * r,
+                    yg - cy * g,
+                    yb - cy * b,
+                    0.0,
+                ]
             }
 
             fn mean(sums: &Sums<Self>) -> Texel<Self> {

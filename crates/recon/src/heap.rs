@@ -4,6 +4,7 @@ use crate::arith::{Arith, Moments, Projected, Sums, Texel};
 use crate::deep::Stored;
 use crate::memory::{Memory, Needs, Slot};
 use crate::tiles::Cell;
+use crate::workers::MAX_PARTS;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -12,6 +13,8 @@ use alloc::vec::Vec;
 pub struct HeapStorage<A: Arith> {
     samples: Vec<Stored>,
     projected: Vec<Projected<A>>,
+    sorted: Vec<Projected<A>>,
+    starts: Vec<u32>,
     minima: Vec<A::Depth>,
     limits: Vec<A::Depth>,
     movers: Vec<u8>,
@@ -34,6 +37,8 @@ impl<A: Arith> HeapStorage<A> {
         Self {
             samples: vec![Stored::default(); samples],
             projected: vec![Projected::default(); samples],
+            sorted: vec![Projected::default(); samples],
+            starts: vec![0; MAX_PARTS * needs.starts],
             minima: vec![A::Depth::default(); needs.minima],
             limits: vec![A::Depth::default(); needs.pixels],
             movers: vec![0; needs.pixels],
@@ -54,6 +59,8 @@ impl<A: Arith> HeapStorage<A> {
         Memory {
             samples: &mut self.samples,
             projected: &mut self.projected,
+            sorted: &mut self.sorted,
+            starts: &mut self.starts,
             minima: &mut self.minima,
             limits: &mut self.limits,
             movers: &mut self.movers,

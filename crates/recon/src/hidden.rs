@@ -10,7 +10,6 @@
 //! [`crate::motion`].
 
 use crate::arith::{Arith, Panel, Projected};
-use crate::deep::{Stored, slot};
 
 /// Sides of the cells, pixels.
 pub const CELLS: [usize; 3] = [1, 2, 32];
@@ -55,19 +54,20 @@ fn top_three<D: PartialOrd + Copy>(values: [D; 9]) -> [D; 3] {
     [third, second, first]
 }
 
-/// Nearest depth of each pixel: the first level of `minima`.
-pub fn nearest<A: Arith>(panel: &Panel, projected: &[Projected<A>], minima: &mut [A::Depth]) {
-    let pixels = panel.pixels();
-    if let Some(level) = minima.get_mut(..pixels) {
-        level.fill(A::FAR);
-        for sample in projected.iter().filter(|s| A::counts(s.weight)) {
+/// Nearest depth of each pixel of the rows from `top` on.
+pub fn nearest<'a, A: Arith>(
+    panel: &Panel,
+    samples: impl Iterator<Item = &'a [Projected<A>]>,
+    top: usize,
+    level: &mut [A::Depth],
+) {
+    level.fill(A::FAR);
+    let first = top * usize::from(panel.width);
+    for samples in samples {
+        for sample in samples {
             let (x, y) = (A::pixel(panel, sample.x), A::pixel(panel, sample.y));
-            let inside = (0..i32::from(panel.width)).contains(&x)
-                && (0..i32::from(panel.height)).contains(&y);
-            if !inside {
-                continue;
-            }
-            if let Some(cell) = level.get_mut(panel.nearest(x, y))
+            let own = panel.inside(x, y).and_then(|pixel| pixel.checked_sub(first));
+            if let Some(cell) = own.and_then(|own| level.get_mut(own))
                 && sample.depth < *cell
             {
                 *cell = sample.depth;
@@ -76,49 +76,86 @@ pub fn nearest<A: Arith>(panel: &Panel, projected: &[Projected<A>], minima: &mut
     }
 }
 
-/// Marks the pixels within one pixel of a sample of a moving object.
-pub fn mark_movers<A: Arith>(
+/// A sample of a moving object lies in the pixel; the other bit of a mark is its verdict.
+const OWN: u8 = 2;
+
+/// Marks the pixels, of the rows from `top` on, within one pixel of a sample of a moving object.
+/// A mark is 1.
+pub fn mark_movers<'a, A: Arith>(
     panel: &Panel,
-    samples: &[Stored],
-    projected: &[Projected<A>],
+    samples: impl Iterator<Item = &'a [Projected<A>]>,
+    top: usize,
     movers: &mut [u8],
 ) {
     movers.fill(0);
-    let moving = |sample: &Stored| sample.slot > slot(0);
-    for (_, at) in samples
-        .iter()
-        .zip(projected)
-        .filter(|(s, at)| moving(s) && A::counts(at.weight))
-    {
-        let (x, y) = (A::pixel(panel, at.x), A::pixel(panel, at.y));
-        for dy in -1..=1 {
-            for dx in -1..=1 {
-                if let Some(mark) = movers.get_mut(panel.nearest(x + dx, y + dy)) {
-                    *mark = 1;
+    let width = usize::from(panel.width);
+    let first = top * width;
+    for samples in samples {
+        for at in samples.iter().filter(|s| s.moves) {
+            let (x, y) = (A::pixel(panel, at.x), A::pixel(panel, at.y));
+            let own = panel.inside(x, y).and_then(|pixel| pixel.checked_sub(first));
+            if let Some(mark) = own.and_then(|own| movers.get_mut(own)) {
+                *mark |= OWN;
+                continue;
+            }
+            // Beside the band: those of its pixels that are near.
+            for dy in -1..=1 {
+                for dx in -1..=1 {
+                    let own = panel.nearest(x + dx, y + dy).checked_sub(first);
+                    if let Some(mark) = own.and_then(|own| movers.get_mut(own)) {
+                        *mark |= 1;
+                    }
                 }
             }
         }
     }
+    spread(movers, width);
+    for mark in movers {
+        *mark &= 1;
+    }
 }
 
-/// Takes the weight from samples that are hidden.
-pub fn drop<A: Arith>(
-    panel: &Panel,
-    limits: &[A::Depth],
-    movers: &[u8],
-    projected: &mut [Projected<A>],
-) {
-    for sample in projected.iter_mut().filter(|s| A::counts(s.weight)) {
-        let pixel = panel.nearest(A::pixel(panel, sample.x), A::pixel(panel, sample.y));
-        let (Some(limit), Some(mover)) = (limits.get(pixel), movers.get(pixel)) else {
-            continue;
-        };
-        let [resting, moving] = sample.reach;
-        let reach = if *mover == 0 { resting } else { moving };
-        if *limit < sample.depth && *limit <= reach {
-            sample.weight = A::Weight::default();
+/// Own marks spread along rows into another bit, and from there across rows into bit 0.
+fn spread(movers: &mut [u8], width: usize) {
+    const ALONG: u8 = 2 * OWN;
+    for line in movers.chunks_mut(width.max(1)) {
+        let mut before = 0;
+        for x in 0..line.len() {
+            let after = line.get(x + 1).copied().unwrap_or_default();
+            if let Some(mark) = line.get_mut(x) {
+                let own = *mark;
+                if (before | own | after) & OWN != 0 {
+                    *mark |= ALONG;
+                }
+                before = own;
+            }
         }
     }
+    for i in 0..movers.len() {
+        let at = |i: Option<usize>| i.and_then(|i| movers.get(i)).copied().unwrap_or_default();
+        let near = at(i.checked_sub(width)) | at(Some(i)) | at(Some(i + width));
+        if near & ALONG != 0
+            && let Some(mark) = movers.get_mut(i)
+        {
+            *mark |= 1;
+        }
+    }
+}
+
+/// Whether a sample of a pixel is hidden.
+#[inline]
+pub fn hides<A: Arith>(
+    limits: &[A::Depth],
+    movers: &[u8],
+    pixel: usize,
+    sample: &Projected<A>,
+) -> bool {
+    let (Some(limit), Some(mover)) = (limits.get(pixel), movers.get(pixel)) else {
+        return false;
+    };
+    let [resting, moving] = sample.reach;
+    let reach = if *mover == 0 { resting } else { moving };
+    *limit < sample.depth && *limit <= reach
 }
 
 /// The coarser minima from the first level, and the depth beyond which each pixel is hidden.

@@ -7,10 +7,11 @@
 //!
 //! | layer | modules |
 //! |---|---|
-//! | integer kernels, compile-time tables | [`num`], [`tables`] |
+//! | integer kernels, compile-time tables | [`num`], [`lanes`], [`tables`], [`taps`] |
 //! | what arithmetic is, in integers and in floats | [`arith`], [`fixed`], `float` |
 //! | what is kept | [`deep`], [`tiles`], [`memory`], `heap` |
-//! | the steps of a refresh | [`transform`], [`motion`], [`hidden`], [`extents`], [`splat`], [`solve`], [`fill`] |
+//! | who works on which samples and pixels | [`bins`], [`workers`] |
+//! | the steps of a refresh | [`transform`], [`project`], [`motion`], [`hidden`], [`extents`], [`splat`], [`solve`], [`fill`] |
 //! | all together | [`config`], [`display`], [`player`], [`scanout`] |
 //!
 //! Nothing here panics on any input: packets are checked on arrival (`transform::*_is_sound`),
@@ -23,6 +24,7 @@ extern crate alloc;
 extern crate std;
 
 pub mod arith;
+pub mod bins;
 pub mod config;
 pub mod deep;
 pub mod display;
@@ -34,19 +36,27 @@ pub mod float;
 #[cfg(feature = "heap")]
 pub mod heap;
 pub mod hidden;
+pub mod lanes;
 pub mod memory;
 pub mod motion;
 pub mod num;
+mod picture;
 pub mod player;
+pub mod project;
 pub mod scanout;
 pub mod solve;
 pub mod splat;
 pub mod tables;
+pub mod taps;
 pub mod tiles;
 pub mod transform;
+pub mod workers;
 
 pub use arith::{Arith, Panel};
 pub use config::Config;
 pub use display::Display;
 pub use fixed::Fixed;
 pub use player::{Player, frame_hash};
+pub use workers::{Alone, Workers};
+#[cfg(feature = "threads")]
+pub use workers::Threads;

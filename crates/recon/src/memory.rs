@@ -5,7 +5,7 @@
 //! | what | bytes |
 //! |---|---|
 //! | deep buffer | 16 N |
-//! | projected samples | 16 N |
+//! | projected samples | 20 N, and 20 N more where they are sorted |
 //! | minima and limits | 2 (2.25 + 1/1024) W H |
 //! | movers, masses and widths | 7 W H |
 //! | sums | 32 W H, and 88 W H more for planes |
@@ -15,6 +15,7 @@
 //! | poses and their transforms | 232 O |
 
 use crate::arith::{Arith, Moments, Panel, Projected, Sums, Texel};
+use crate::bins::Grid;
 use crate::deep::Stored;
 use crate::fill::pyramid_len;
 use crate::hidden::minima_len;
@@ -53,6 +54,9 @@ pub struct Needs {
     pub pyramid: usize,
     /// Tile cells.
     pub cells: usize,
+    /// For each worker: where the samples of each tile of [`crate::bins::Grid`] start. Used only
+    /// where samples are sorted.
+    pub starts: usize,
 }
 
 impl Needs {
@@ -64,6 +68,7 @@ impl Needs {
             minima: minima_len(width, height),
             pyramid: pyramid_len(width, height),
             cells: cells_along(width) * cells_along(height),
+            starts: Grid::new(width, height).tiles() + 1,
         }
     }
 }
@@ -75,6 +80,11 @@ pub struct Memory<'a, A: Arith> {
     pub samples: &'a mut [Stored],
     /// As long as `samples`.
     pub projected: &'a mut [Projected<A>],
+    /// As long as `samples`, or empty: then samples are not sorted by tile, which costs time on
+    /// machines with caches and keeps the work on one thread.
+    pub sorted: &'a mut [Projected<A>],
+    /// See [`Needs::starts`]: as many times that as there are threads; 2 where nothing is sorted.
+    pub starts: &'a mut [u32],
     /// See [`Needs::minima`].
     pub minima: &'a mut [A::Depth],
     /// See [`Needs::pixels`].
@@ -146,8 +156,11 @@ impl<A: Arith> Memory<'_, A> {
     /// Names the first slice that is too short.
     pub fn check(&self, width: u16, height: u16, planes: bool) -> Result<(), SetupError> {
         let needs = Needs::of(width, height);
+        let sorted = if self.sorted.is_empty() { 0 } else { self.samples.len() };
         let checks = [
             ("projected", self.samples.len(), self.projected.len()),
+            ("sorted", sorted, self.sorted.len()),
+            ("starts", if sorted > 0 { needs.starts } else { 2 }, self.starts.len()),
             ("minima", needs.minima, self.minima.len()),
             ("limits", needs.pixels, self.limits.len()),
             ("movers", needs.pixels, self.movers.len()),
@@ -174,7 +187,8 @@ impl<A: Arith> Memory<'_, A> {
     }
 }
 
-/// Storage of fixed capacity, to be placed in a `static` or on a large stack.
+/// Storage of fixed capacity, to be placed in a `static` or on a large stack. Samples are not
+/// sorted.
 ///
 /// `N` samples, `P` pixels, `M` minima, `Y` pyramid texels, `C` cells, `O` slots; `L` is `P` where
 /// planes are fitted, else 0. [`Needs::of`] gives them in a `const`.
@@ -191,6 +205,7 @@ pub struct Storage<
 > {
     samples: [Stored; N],
     projected: [Projected<A>; N],
+    starts: [u32; 2],
     minima: [A::Depth; M],
     limits: [A::Depth; P],
     movers: [u8; P],
@@ -221,6 +236,8 @@ impl<
         Memory {
             samples: &mut self.samples,
             projected: &mut self.projected,
+            sorted: &mut [],
+            starts: &mut self.starts,
             minima: &mut self.minima,
             limits: &mut self.limits,
             movers: &mut self.movers,
@@ -267,14 +284,17 @@ macro_rules! empty_storage {
                         weight: $zero,
                         widths: [$zero; 2],
                         reach: [$zero; 2],
+                        rgb: [0; 3],
+                        moves: false,
                     }; N],
+                    starts: [0; 2],
                     minima: [$zero; M],
                     limits: [$zero; P],
                     movers: [0; P],
                     mass: [$zero; P],
                     widths: [$zero; P],
                     sums: [[$zero; 4]; P],
-                    moments: [[$zero; 11]; L],
+                    moments: [[$zero; 12]; L],
                     texels: [texel; P],
                     pyramid: [texel; Y],
                     cells: [Cell::ZERO; C],

@@ -1,6 +1,6 @@
 //! Each stage's buffer against the Rust stage of the same name.
 
-use unframed_recon::arith::{Arith, Moments, Panel, Projected, Sums, Texel};
+use unframed_recon::arith::{ANCHOR_BITS, Arith, Moments, Panel, Projected, Sums, Texel};
 use unframed_recon::config::{Config, Extents, Fit, Lifetime, Light};
 use unframed_recon::deep::{Placing, Stored, age, slot};
 use unframed_recon::display::ENCODED;
@@ -8,7 +8,7 @@ use unframed_recon::fill::{self, pyramid_len};
 use unframed_recon::hidden::{self, minima_len};
 use unframed_recon::memory::Slot;
 use unframed_recon::motion::Motion;
-use unframed_recon::splat::{self, Target};
+use unframed_recon::splat::{self, Filter, Target, Widths};
 use unframed_recon::tables::SRGB_TO_LINEAR;
 use unframed_recon::tiles::{Cell, TileMap, cells_along};
 use unframed_recon::transform::Transform;
@@ -95,18 +95,29 @@ impl Stages {
         let mut map = TileMap::new(&mut cells, width, height).expect("enough cells");
         let contents = contents(bytes, &mut map);
         let mut projected = project(config, &panel, &map, &contents);
-        let samples = &contents.samples;
         let pixels = panel.pixels();
+        let pixel_of = |s: &Projected<Fixed>| {
+            panel.nearest(Fixed::pixel(&panel, s.x), Fixed::pixel(&panel, s.y))
+        };
+        let seen = |projected: &[Projected<Fixed>]| -> Vec<Projected<Fixed>> {
+            projected.iter().filter(|s| s.weight > 0).copied().collect()
+        };
         let mut expected = Vec::new();
 
         if config.hidden {
             let mut minima = vec![0; minima_len(width, height)];
             let mut limits = vec![0; pixels];
-            hidden::nearest::<Fixed>(&panel, &projected, &mut minima);
+            let all = seen(&projected);
+            let once = || std::iter::once(&all[..]);
+            hidden::nearest::<Fixed>(&panel, once(), 0, &mut minima[..pixels]);
             hidden::limits::<Fixed>(&panel, &mut minima, &mut limits);
             let mut movers = vec![0; pixels];
-            hidden::mark_movers::<Fixed>(&panel, samples, &projected, &mut movers);
-            hidden::drop::<Fixed>(&panel, &limits, &movers, &mut projected);
+            hidden::mark_movers::<Fixed>(&panel, once(), 0, &mut movers);
+            for s in &mut projected {
+                if hidden::hides(&limits, &movers, pixel_of(s), s) {
+                    s.weight = 0;
+                }
+            }
             let words = movers.iter().map(|v| u32::from(*v)).collect();
             expected.push((Probe::Movers, words));
             expected.push((
@@ -124,18 +135,19 @@ impl Stages {
         };
         let words = projected.iter().flat_map(words).collect();
         expected.insert(0, (Probe::Projected, words));
+        let mut widths = Vec::new();
         if config.extents == Extents::Density {
             let mut mass = vec![0; pixels];
-            splat::masses::<Fixed>(&panel, &projected, &mut mass);
-            expected.push((Probe::Masses, mass.clone()));
-            let mut widths = vec![0; pixels];
-            splat::widths::<Fixed>(&panel, &mut mass, &mut widths);
-            let words = widths.iter().map(|w| i32::from(*w) as u32).collect();
-            expected.push((Probe::Widths, words));
-            for s in &mut projected {
-                let at = panel.nearest(Fixed::pixel(&panel, s.x), Fixed::pixel(&panel, s.y));
-                s.widths = [widths[at]; 2];
+            for s in &projected {
+                Fixed::gather(&mut mass[pixel_of(s)], s.weight);
             }
+            expected.push((Probe::Masses, mass.clone()));
+            let mut map = vec![0; pixels];
+            splat::sum_along::<Fixed>(&panel, &mut mass);
+            splat::widths::<Fixed>(&panel, 0..height.into(), &mass, &mut map);
+            let words = map.iter().map(|w| i32::from(*w) as u32).collect();
+            expected.push((Probe::Widths, words));
+            widths = map;
         }
         let light = match config.light {
             Light::Linear => &SRGB_TO_LINEAR,
@@ -144,18 +156,33 @@ impl Stages {
         let planes = config.fit == Fit::Linear;
         let mut sums = vec![Sums::<Fixed>::default(); pixels];
         let mut moments = vec![Moments::<Fixed>::default(); if planes { pixels } else { 0 }];
+        let filter = Filter {
+            panel: &panel,
+            widths: match config.extents {
+                Extents::Density => Widths::Map(&widths),
+                _ => Widths::Own,
+            },
+            light,
+        };
         let mut target = Target::<Fixed> {
+            lines: 0..height.into(),
             sums: &mut sums,
             moments: &mut moments,
         };
-        splat::scatter(&panel, samples, &projected, light, &mut target);
+        filter.scatter(std::iter::once(&seen(&projected)[..]), &mut target);
         expected.push((Probe::Sums, wide(sums.as_flattened()).collect()));
         if planes {
-            expected.push((Probe::Moments, wide(moments.as_flattened()).collect()));
+            let centred = moments.iter().zip(&sums).enumerate().flat_map(|(i, (m, s))| {
+                let within = |v: usize| (v % (1 << ANCHOR_BITS)) as i32;
+                let pixel = (within(i % usize::from(width)), within(i / usize::from(width)));
+                let moments = Fixed::centred(s, m, pixel);
+                wide(&moments[..11]).collect::<Vec<_>>()
+            });
+            expected.push((Probe::Moments, centred.collect()));
         }
         let mut texels = vec![Texel::<Fixed>::default(); pixels];
         if planes {
-            solve::planes::<Fixed>(&sums, &moments, &mut texels);
+            solve::planes::<Fixed>(width.into(), 0, &sums, &moments, &mut texels);
         } else {
             solve::means::<Fixed>(&sums, &mut texels);
         }
@@ -198,9 +225,11 @@ fn project(
             x,
             y,
             depth,
-            weight: Fixed::decline(config.kernel, age, lifetime),
+            weight: Fixed::decline(config.kernel, Fixed::log_of_age(age), lifetime),
             widths,
             reach: [reach.of(age, sample.slot > slot(0)), reach.of(age, true)],
+            rgb: sample.rgb,
+            moves: sample.slot > slot(0),
         })
     };
     let all = contents.samples.iter();

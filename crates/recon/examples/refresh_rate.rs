@@ -1,0 +1,87 @@
+//! How long a refresh takes, against a plain scatter in f32 and a copy of the same memory:
+//! `cargo run --release -p unframed-recon --features threads --example refresh_rate [SAMPLES [SIZE [ROUNDS [WORD]]]]`
+//! ROUNDS refreshes are measured of each kind, or of the kinds with WORD in their names.
+
+#[path = "../benches/scene.rs"]
+mod scene;
+#[path = "../benches/plain.rs"]
+mod plain;
+
+use scene::Show;
+use std::time::{Duration, Instant};
+use unframed_recon::config::Fit;
+use unframed_recon::heap::HeapStorage;
+use unframed_recon::{Config, Display, Fixed, Threads, frame_hash};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let words: Vec<_> = std::env::args().skip(1).collect();
+    let numbers: Result<Vec<usize>, _> = words.iter().take(3).map(|w| w.parse()).collect();
+    let numbers = numbers?;
+    let rounds = numbers.get(2).copied().unwrap_or(30).max(1);
+    let wanted = words.get(3).cloned().unwrap_or_default();
+    let samples = numbers.first().copied().unwrap_or(400_000);
+    let size = u16::try_from(numbers.get(1).copied().unwrap_or(256))?;
+    println!("{samples} samples, {size} x {size} pixels; ms a refresh, least and median");
+
+    let mut plain = plain::Plain::new(size, samples);
+    let times: Vec<_> = (0..rounds).map(|k| plain.refresh(k as u32)).collect();
+    let scatter = report("plain f32 scatter, 1 thread", times, None);
+    let mut copy = vec![0u8; 16 * samples];
+    let source = vec![1u8; 16 * samples];
+    let times = (0..rounds)
+        .map(|_| {
+            let start = Instant::now();
+            std::hint::black_box(&mut copy).copy_from_slice(std::hint::black_box(&source));
+            start.elapsed()
+        })
+        .collect();
+    report("copy of the samples' memory", times, Some(scatter));
+
+    for (name, fit) in [("constant", Fit::Constant), ("linear", Fit::Linear)] {
+        for (moves, moving) in [("moving", true), ("at rest", false)] {
+            let mut hashes = Vec::new();
+            for threads in [1, 2] {
+                let label = format!("{name}, {moves}, {threads} thread(s)");
+                if !label.contains(&wanted) {
+                    continue;
+                }
+                let mut storage = HeapStorage::<Fixed>::new(size, size, samples);
+                let config = Config {
+                    fit,
+                    ..Config::ADAPTIVE
+                };
+                let mut display = Display::with_workers(
+                    Threads::new(threads)?,
+                    config,
+                    size,
+                    size,
+                    storage.memory(),
+                )?;
+                let mut show = Show::begin(&mut display, samples, moving);
+                let times = (0..rounds)
+                    .map(|_| {
+                        show.next(&mut display, moving);
+                        let start = Instant::now();
+                        display.refresh(&show.refresh());
+                        start.elapsed()
+                    })
+                    .collect();
+                report(&label, times, Some(scatter));
+                hashes.push(frame_hash(display.picture()));
+            }
+            hashes.iter().for_each(|hash| println!("  {hash:016x}"));
+            assert!(hashes.iter().all(|hash| *hash == hashes[0]), "threads change the picture");
+        }
+    }
+    Ok(())
+}
+
+/// Prints a row; the least of its times in ms.
+fn report(name: &str, mut times: Vec<Duration>, scatter: Option<f64>) -> f64 {
+    times.sort_unstable();
+    let ms = |d: &Duration| d.as_secs_f64() * 1e3;
+    let (least, median) = (ms(&times[0]), ms(&times[times.len() / 2]));
+    let ratio = scatter.map_or(String::new(), |s| format!("  {:5.2} x", s / least));
+    println!("{name:<32} {least:7.2} {median:7.2}{ratio}");
+    least
+}

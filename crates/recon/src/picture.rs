@@ -1,0 +1,193 @@
+//! The stages of a refresh, each shared out among the workers.
+
+use crate::arith::Arith;
+use crate::bins::{self, Grid, Runs};
+use crate::config::{Extents, Fit, Light};
+use crate::display::{Display, ENCODED};
+use crate::motion::Reach;
+use crate::project::Instant;
+use crate::splat::{Filter, Target, Widths};
+use crate::tables::{SRGB_TO_LINEAR, linear_to_srgb};
+use crate::workers::{MAX_PARTS, Parts, Workers, take};
+use crate::{hidden, solve, splat};
+use core::ops::Range;
+use unframed_wire::Tick;
+
+/// A band of the picture: rows of tiles and their pixel rows.
+#[derive(Clone, Debug)]
+struct Band {
+    rows: Range<usize>,
+    lines: Range<usize>,
+}
+
+impl Band {
+    /// The rows of tiles whose samples can reach the band.
+    fn reached_from(&self) -> Range<usize> {
+        self.rows.start.saturating_sub(1)..self.rows.end + 1
+    }
+}
+
+impl<A: Arith, W: Workers> Display<'_, A, W> {
+    /// From stored samples to a texel a pixel.
+    pub(crate) fn filter(&mut self, now: Tick, reach: &Reach<A>) {
+        let (panel, config, workers) = (self.panel, self.config, &self.workers);
+        let width = usize::from(panel.width);
+        let sorts = !self.sorted.is_empty();
+        let grid = if sorts {
+            Grid::new(panel.width, panel.height)
+        } else {
+            Grid::whole(panel.width, panel.height)
+        };
+        let entries = grid.tiles() + 1;
+        let parts = if sorts {
+            let rooms = self.starts.len() / entries;
+            workers.parts().min(rooms).clamp(1, MAX_PARTS)
+        } else {
+            1
+        };
+
+        // Each worker projects and sorts a stretch of the ring.
+        let instant = Instant {
+            config: &config,
+            panel: &panel,
+            tiles: &self.tiles,
+            slots: self.slots,
+            reach,
+            now,
+        };
+        let stored = self.deep.samples_mut();
+        let stride = stored.len().div_ceil(parts).max(1);
+        let starts = self.starts.get_mut(..parts * entries).unwrap_or(&mut []);
+        starts.fill(0);
+        let mut sorted = &mut *self.sorted;
+        let stretches = stored
+            .chunks_mut(stride)
+            .zip(self.projected.chunks_mut(stride))
+            .zip(starts.chunks_exact_mut(entries))
+            .map(|((samples, projected), starts)| {
+                (samples, projected, take(&mut sorted, stride), starts)
+            });
+        Parts::new(stretches).each(workers, |(samples, projected, sorted, starts)| {
+            let len = instant.project(&grid, samples, projected, starts);
+            let seen = projected.get(..len).unwrap_or(&[]);
+            if !sorted.is_empty() {
+                bins::place(&grid, &panel, seen, starts, sorted);
+            }
+        });
+        let samples = if sorts { &mut *self.sorted } else { &mut *self.projected };
+        let mut runs = Runs {
+            grid,
+            stride,
+            samples,
+            starts,
+        };
+
+        // From here on each works on a band of the picture.
+        let pieces = runs.pieces(parts);
+        let bands: [Option<Band>; MAX_PARTS] = core::array::from_fn(|i| {
+            let rows = pieces.get(i)?.clone()?;
+            let lines = grid.lines(&rows, &panel);
+            Some(Band { rows, lines })
+        });
+        let bands = || bands.iter().flatten();
+        let pixels = |band: &Band| band.lines.len() * width;
+
+        if config.hidden {
+            let (mut minima, mut movers) = (&mut *self.minima, &mut *self.movers);
+            let work = bands().map(|band| {
+                let len = pixels(band);
+                (band, take(&mut minima, len), take(&mut movers, len))
+            });
+            Parts::new(work).each(workers, |(band, minima, movers)| {
+                let top = band.lines.start;
+                hidden::nearest(&panel, runs.rows(band.rows.clone()), top, minima);
+                hidden::mark_movers(&panel, runs.rows(band.reached_from()), top, movers);
+            });
+            hidden::limits::<A>(&panel, self.minima, self.limits);
+        }
+        if config.hidden || config.extents == Extents::Density {
+            let mut mass = &mut *self.mass;
+            let (limits, movers) = (&*self.limits, &*self.movers);
+            let work = bands()
+                .zip(runs.split(&pieces))
+                .map(|(band, samples)| (band.lines.start, samples, take(&mut mass, pixels(band))));
+            Parts::new(work).each(workers, |(top, samples, mass)| {
+                mass.fill(A::Mass::default());
+                let first = *top * width;
+                for sample in samples.iter_mut().flat_map(|samples| samples.iter_mut()) {
+                    let pixel = panel.nearest(A::pixel(&panel, sample.x), A::pixel(&panel, sample.y));
+                    if config.hidden && hidden::hides(limits, movers, pixel, sample) {
+                        sample.weight = A::Weight::default();
+                    } else if let Some(mass) =
+                        pixel.checked_sub(first).and_then(|own| mass.get_mut(own))
+                    {
+                        A::gather(mass, sample.weight);
+                    }
+                }
+                splat::sum_along::<A>(&panel, mass);
+            });
+        }
+        if config.extents == Extents::Density {
+            let mut widths = &mut *self.widths;
+            let mass = &*self.mass;
+            let work = bands().map(|band| (band.lines.clone(), take(&mut widths, pixels(band))));
+            Parts::new(work).each(workers, |(lines, widths)| {
+                splat::widths::<A>(&panel, lines.clone(), mass, widths);
+            });
+        }
+
+        let filter = Filter {
+            panel: &panel,
+            widths: match config.extents {
+                Extents::Density => Widths::Map(self.widths),
+                _ => Widths::Own,
+            },
+            light: match config.light {
+                Light::Linear => &SRGB_TO_LINEAR,
+                Light::Encoded => &ENCODED,
+            },
+        };
+        let planes = config.fit == Fit::Linear;
+        let (mut sums, mut moments) = (&mut *self.sums, &mut *self.moments);
+        let mut texels = &mut *self.texels;
+        let work = bands().map(|band| {
+            let len = pixels(band);
+            let target = Target {
+                lines: band.lines.clone(),
+                sums: take(&mut sums, len),
+                moments: take(&mut moments, if planes { len } else { 0 }),
+            };
+            (band, target, take(&mut texels, len))
+        });
+        Parts::new(work).each(workers, |(band, target, texels)| {
+            filter.scatter(runs.rows(band.reached_from()), target);
+            if planes {
+                let (sums, moments) = (&*target.sums, &*target.moments);
+                solve::planes(width, band.lines.start, sums, moments, texels);
+            } else {
+                solve::means::<A>(target.sums, texels);
+            }
+        });
+    }
+
+    /// Light to the panel's codes. Pixels of which nothing is known keep what they show.
+    pub(crate) fn encode(&mut self) {
+        let light = self.config.light;
+        let share = self.texels.len().div_ceil(self.workers.parts()).max(1);
+        let work = self.texels.chunks(share).zip(self.picture.chunks_mut(share));
+        Parts::new(work).each(&self.workers, |(texels, picture)| {
+            for (texel, pixel) in texels.iter().zip(&mut **picture) {
+                if texel.confidence == A::Confidence::default() {
+                    continue;
+                }
+                *pixel = texel.light.map(|v| {
+                    let code = A::to_u16(v);
+                    match light {
+                        Light::Linear => linear_to_srgb(code),
+                        Light::Encoded => ((u32::from(code) + 128) / 257) as u8,
+                    }
+                });
+            }
+        });
+    }
+}
