@@ -3,7 +3,6 @@
 //! nothing filled.
 
 use crate::scene;
-use std::time::{Duration, Instant};
 
 struct Sample {
     place: [f32; 3],
@@ -57,10 +56,9 @@ impl Plain {
     }
 
     /// Makes the picture at `index` 60ths of a second after the last sample, everything moving.
-    pub(crate) fn refresh(&mut self, index: u32) -> Duration {
+    pub(crate) fn refresh(&mut self, index: u32) {
         let phase = f64::from(index) * 0.02;
         let view = scene::view(self.size as u16, (phase * 0.3).sin() * 0.3);
-        let start = Instant::now();
         // Row k of view times pose, with its offset.
         let mut transforms = [[[0f32; 4]; 3]; 256];
         for pose in scene::poses(phase) {
@@ -134,6 +132,5 @@ impl Plain {
         for (pixel, sums) in self.picture.iter_mut().zip(&self.sums) {
             *pixel = [1, 2, 3].map(|c| sums[c] / sums[0].max(1e-9));
         }
-        start.elapsed()
     }
 }

@@ -268,7 +268,8 @@ fn a_heap_of_samples_on_one_pixel_is_equal() {
 /// Changes a table.
 type Flip = fn(&mut Tables);
 
-/// The comparison must be able to fail: one low bit of one entry of each table shows.
+/// The comparison must be able to fail: a low bit of entries of each table shows. (Widths come in
+/// steps, so one entry's may well round to the same width.)
 #[test]
 fn a_flipped_bit_in_any_table_is_found() {
     let Some(gpu) = adapter_or_skip("the check of equality") else {
@@ -282,8 +283,8 @@ fn a_flipped_bit_in_any_table_is_found() {
         samples: 12_000,
     };
     let flips: [(&str, Flip); 6] = [
-        ("log2_q11", |t| t.log2_q11[17] ^= 1),
-        ("exp2_q15", |t| t.exp2_q15[3] ^= 1),
+        ("log2_q11", |t| t.log2_q11.iter_mut().for_each(|v| *v ^= 1)),
+        ("exp2_q15", |t| t.exp2_q15.iter_mut().for_each(|v| *v ^= 1)),
         ("time", |t| t.time.iter_mut().for_each(|v| *v ^= 1)),
         ("light", |t| t.light[243] ^= 1 << 5),
         ("srgb_from", |t| t.srgb_from[206] += 64),
