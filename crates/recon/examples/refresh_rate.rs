@@ -2,10 +2,10 @@
 //! `cargo run --release -p unframed-recon --features threads --example refresh_rate [SAMPLES [SIZE [ROUNDS [WORD]]]]`
 //! ROUNDS refreshes are measured of each kind, or of the kinds with WORD in their names.
 
-#[path = "../benches/scene.rs"]
-mod scene;
-#[path = "../benches/plain.rs"]
+#[path = "../benches/load/plain.rs"]
 mod plain;
+#[path = "../benches/load/scene.rs"]
+mod scene;
 
 use scene::Show;
 use std::time::{Duration, Instant};
@@ -21,7 +21,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let wanted = words.get(3).cloned().unwrap_or_default();
     let samples = numbers.first().copied().unwrap_or(400_000);
     let size = u16::try_from(numbers.get(1).copied().unwrap_or(256))?;
-    println!("{samples} samples, {size} x {size} pixels; ms a refresh, least and median (one thread: of the processor)");
+    println!(
+        "{samples} samples, {size} x {size} pixels; ms a refresh, least and median (one thread: of the processor)"
+    );
 
     let mut plain = plain::Plain::new(size, samples);
     let times: Vec<_> = (0..rounds)
@@ -72,7 +74,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 hashes.push(frame_hash(display.picture()));
             }
             hashes.iter().for_each(|hash| println!("  {hash:016x}"));
-            assert!(hashes.iter().all(|hash| *hash == hashes[0]), "threads change the picture");
+            assert!(
+                hashes.iter().all(|hash| *hash == hashes[0]),
+                "threads change the picture"
+            );
         }
     }
     Ok(())

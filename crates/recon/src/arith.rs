@@ -233,11 +233,7 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
 
     /// Moments about a pixel's centre from those about its square's anchor; `pixel` as column and
     /// row within the square.
-    fn centred(
-        sums: &Sums<Self>,
-        moments: &Moments<Self>,
-        pixel: (i32, i32),
-    ) -> Moments<Self>;
+    fn centred(sums: &Sums<Self>, moments: &Moments<Self>, pixel: (i32, i32)) -> Moments<Self>;
 
     /// The weighted mean; nothing known where nothing was added.
     fn mean(sums: &Sums<Self>) -> Texel<Self>;

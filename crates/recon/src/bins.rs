@@ -48,7 +48,8 @@ impl Grid {
     #[inline]
     #[must_use]
     pub fn tile<A: Arith>(&self, panel: &Panel, at: &Projected<A>) -> usize {
-        let inside = |v: i32, size: u16| v.clamp(0, i32::from(size) - 1) as usize >> self.bits;
+        // `clamp` would be a panic path for a panel without pixels.
+        let inside = |v: i32, size: u16| v.min(i32::from(size) - 1).max(0) as usize >> self.bits;
         let column = inside(A::pixel(panel, at.x), panel.width);
         let row = inside(A::pixel(panel, at.y), panel.height);
         row * self.columns + column
@@ -157,7 +158,9 @@ impl<'a, A: Arith> Runs<'a, A> {
             end = if part + 1 == parts {
                 rows
             } else {
-                (first + 1..=rows).min_by_key(|end| share(*end)).unwrap_or(rows)
+                (first + 1..=rows)
+                    .min_by_key(|end| share(*end))
+                    .unwrap_or(rows)
             };
             Some(first..end)
         })

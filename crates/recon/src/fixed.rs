@@ -4,9 +4,7 @@ use crate::arith::{ANCHOR_BITS, Arith, GUARD, Moments, Panel, Sums, Texel};
 use crate::config::TimeKernel;
 use crate::extents;
 use crate::lanes::{Pair, Weight};
-use crate::num::{
-    Divider, exponent, log2_q11, mul_hi, normalise, reciprocal, shift,
-};
+use crate::num::{Divider, exponent, log2_q11, mul_hi, normalise, reciprocal, shift};
 use crate::tables::{TIME, TIME_FIRST};
 use crate::taps::{self, DISTANCE_BITS, Taps};
 use crate::tiles::{CELL_BITS, Cell, TileMap};
@@ -221,14 +219,10 @@ impl Arith for Fixed {
     }
 
     #[inline]
-    fn features(
-        panel: &Panel,
-        light: [u16; 3],
-        at: (u16, u16),
-        anchor: (i32, i32),
-    ) -> [Pair; 8] {
+    fn features(panel: &Panel, light: [u16; 3], at: (u16, u16), anchor: (i32, i32)) -> [Pair; 8] {
         // The square and a guard on both sides: below 2^16, products below 2^32.
-        let from = |v, anchor| (middle(panel, v) - (anchor << (ANCHOR_BITS + DISTANCE_BITS))) as u32;
+        let from =
+            |v, anchor| (middle(panel, v) - (anchor << (ANCHOR_BITS + DISTANCE_BITS))) as u32;
         let (x, y) = (from(at.0, anchor.0), from(at.1, anchor.1));
         let [r, g, b] = light.map(u32::from);
         let times = u32::wrapping_mul;
@@ -265,9 +259,8 @@ impl Arith for Fixed {
     #[inline]
     fn centred(sums: &Sums<Self>, moments: &Moments<Self>, pixel: (i32, i32)) -> Moments<Self> {
         // Anchors lie a guard before their square: see `middle`.
-        let centre = |pixel: i32| {
-            i64::from(((pixel + GUARD) << DISTANCE_BITS) + (1 << (DISTANCE_BITS - 1)))
-        };
+        let centre =
+            |pixel: i32| i64::from(((pixel + GUARD) << DISTANCE_BITS) + (1 << (DISTANCE_BITS - 1)));
         let (cx, cy) = (centre(pixel.0), centre(pixel.1));
         // a − c·b, modulo 2^64.
         let less = |a: i64, c: i64, b: i64| a.wrapping_sub(c.wrapping_mul(b));

@@ -66,7 +66,9 @@ pub fn nearest<'a, A: Arith>(
     for samples in samples {
         for sample in samples {
             let (x, y) = (A::pixel(panel, sample.x), A::pixel(panel, sample.y));
-            let own = panel.inside(x, y).and_then(|pixel| pixel.checked_sub(first));
+            let own = panel
+                .inside(x, y)
+                .and_then(|pixel| pixel.checked_sub(first));
             if let Some(cell) = own.and_then(|own| level.get_mut(own))
                 && sample.depth < *cell
             {
@@ -93,7 +95,9 @@ pub fn mark_movers<'a, A: Arith>(
     for samples in samples {
         for at in samples.iter().filter(|s| s.moves) {
             let (x, y) = (A::pixel(panel, at.x), A::pixel(panel, at.y));
-            let own = panel.inside(x, y).and_then(|pixel| pixel.checked_sub(first));
+            let own = panel
+                .inside(x, y)
+                .and_then(|pixel| pixel.checked_sub(first));
             if let Some(mark) = own.and_then(|own| movers.get_mut(own)) {
                 *mark |= OWN;
                 continue;

@@ -4,10 +4,10 @@
 //! factors are short. On x86-64 (SSE2 is always there) one instruction makes two such products;
 //! elsewhere this is the plain loop. The sums are integers, so both give the same bits.
 
-pub use lanes::{Pair, Weight};
+pub use imp::{Pair, Weight};
 
 #[cfg(target_arch = "x86_64")]
-mod lanes {
+mod imp {
     use safe_arch::{add_i64_m128i, m128i, mul_widen_u32_odd_m128i, set_splat_i64_m128i};
 
     /// A factor for both lanes.
@@ -45,7 +45,7 @@ mod lanes {
 }
 
 #[cfg(not(target_arch = "x86_64"))]
-mod lanes {
+mod imp {
     /// A factor for both lanes.
     #[derive(Clone, Copy, Debug)]
     pub struct Weight(u16);

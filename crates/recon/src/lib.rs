@@ -57,6 +57,6 @@ pub use config::Config;
 pub use display::Display;
 pub use fixed::Fixed;
 pub use player::{Player, frame_hash};
-pub use workers::{Alone, Workers};
 #[cfg(feature = "threads")]
 pub use workers::Threads;
+pub use workers::{Alone, Workers};

@@ -156,11 +156,19 @@ impl<A: Arith> Memory<'_, A> {
     /// Names the first slice that is too short.
     pub fn check(&self, width: u16, height: u16, planes: bool) -> Result<(), SetupError> {
         let needs = Needs::of(width, height);
-        let sorted = if self.sorted.is_empty() { 0 } else { self.samples.len() };
+        let sorted = if self.sorted.is_empty() {
+            0
+        } else {
+            self.samples.len()
+        };
         let checks = [
             ("projected", self.samples.len(), self.projected.len()),
             ("sorted", sorted, self.sorted.len()),
-            ("starts", if sorted > 0 { needs.starts } else { 2 }, self.starts.len()),
+            (
+                "starts",
+                if sorted > 0 { needs.starts } else { 2 },
+                self.starts.len(),
+            ),
             ("minima", needs.minima, self.minima.len()),
             ("limits", needs.pixels, self.limits.len()),
             ("movers", needs.pixels, self.movers.len()),

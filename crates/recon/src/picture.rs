@@ -38,7 +38,7 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
         } else {
             Grid::whole(panel.width, panel.height)
         };
-        let entries = grid.tiles() + 1;
+        let entries = (grid.tiles() + 1).max(1);
         let parts = if sorts {
             let rooms = self.starts.len() / entries;
             workers.parts().min(rooms).clamp(1, MAX_PARTS)
@@ -74,7 +74,11 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
                 bins::place(&grid, &panel, seen, starts, sorted);
             }
         });
-        let samples = if sorts { &mut *self.sorted } else { &mut *self.projected };
+        let samples = if sorts {
+            &mut *self.sorted
+        } else {
+            &mut *self.projected
+        };
         let mut runs = Runs {
             grid,
             stride,
@@ -115,7 +119,8 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
                 mass.fill(A::Mass::default());
                 let first = *top * width;
                 for sample in samples.iter_mut().flat_map(|samples| samples.iter_mut()) {
-                    let pixel = panel.nearest(A::pixel(&panel, sample.x), A::pixel(&panel, sample.y));
+                    let pixel =
+                        panel.nearest(A::pixel(&panel, sample.x), A::pixel(&panel, sample.y));
                     if config.hidden && hidden::hides(limits, movers, pixel, sample) {
                         sample.weight = A::Weight::default();
                     } else if let Some(mass) =
@@ -174,7 +179,10 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
     pub(crate) fn encode(&mut self) {
         let light = self.config.light;
         let share = self.texels.len().div_ceil(self.workers.parts()).max(1);
-        let work = self.texels.chunks(share).zip(self.picture.chunks_mut(share));
+        let work = self
+            .texels
+            .chunks(share)
+            .zip(self.picture.chunks_mut(share));
         Parts::new(work).each(&self.workers, |(texels, picture)| {
             for (texel, pixel) in texels.iter().zip(&mut **picture) {
                 if texel.confidence == A::Confidence::default() {

@@ -93,7 +93,11 @@ impl<A: Arith> Instant<'_, A> {
                 (x, y, A::Depth::default())
             }
             Placing::Lattice => {
-                let transform = self.slots.get(usize::from(sample.slot))?.transform.as_ref()?;
+                let transform = self
+                    .slots
+                    .get(usize::from(sample.slot))?
+                    .transform
+                    .as_ref()?;
                 A::project(transform, panel, sample.place)?
             }
         };

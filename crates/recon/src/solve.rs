@@ -29,6 +29,7 @@ pub fn planes<A: Arith>(
     moments: &[Moments<A>],
     texels: &mut [Texel<A>],
 ) {
+    let width = width.max(1);
     let within = |v: usize| (v & ((1 << ANCHOR_BITS) - 1)) as i32;
     let lines = sums.chunks_exact(width).zip(moments.chunks_exact(width));
     for (y, ((sums, moments), texels)) in lines.zip(texels.chunks_exact_mut(width)).enumerate() {

@@ -117,8 +117,7 @@ impl<A: Arith> Filter<'_, A> {
         let down = A::taps(panel, high, at.y);
         let across = A::taps(panel, wide, at.x);
         let rows = (y + down.first).max(band.start)..(y + down.last + 1).min(band.end);
-        let columns =
-            (x + across.first).max(0)..(x + across.last + 1).min(i32::from(panel.width));
+        let columns = (x + across.first).max(0)..(x + across.last + 1).min(i32::from(panel.width));
         if rows.is_empty() || columns.is_empty() {
             return;
         }

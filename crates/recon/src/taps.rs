@@ -60,7 +60,11 @@ pub const fn compute(width: i16, offset: i32) -> Taps<u16> {
             let tap = exp2_negative((d * d * steepness) >> 16) as u16;
             taps.weights[i] = tap;
             if tap > 0 {
-                taps.first = if pixel < taps.first { pixel } else { taps.first };
+                taps.first = if pixel < taps.first {
+                    pixel
+                } else {
+                    taps.first
+                };
                 taps.last = pixel;
             }
         }
@@ -176,7 +180,10 @@ mod tests {
                     // At the cut-off of 3 sigma, which is rounded, a tap is e^-4.5 or nothing.
                     let cut = (d.abs() - 3.0 * sigma).abs() < 0.01;
                     let bound = if cut { 400.0 } else { 12.0 };
-                    assert!((f64::from(*tap) - exact).abs() < bound, "{level} {offset} {i}");
+                    assert!(
+                        (f64::from(*tap) - exact).abs() < bound,
+                        "{level} {offset} {i}"
+                    );
                 }
             }
         }

@@ -125,8 +125,12 @@ impl<'a> TileMap<'a> {
     #[inline]
     #[must_use]
     pub fn around(&self, column: i32, row: i32) -> [Cell; 4] {
-        let clamped = |v: i32, len: usize| v.clamp(0, len as i32 - 1) as usize;
-        let (left, right) = (clamped(column, self.columns), clamped(column + 1, self.columns));
+        // `clamp` would be a panic path for a map without cells.
+        let clamped = |v: i32, len: usize| v.min(len as i32 - 1).max(0) as usize;
+        let (left, right) = (
+            clamped(column, self.columns),
+            clamped(column + 1, self.columns),
+        );
         let (above, below) = (clamped(row, self.rows), clamped(row + 1, self.rows));
         let (above, below) = (above * self.columns, below * self.columns);
         let cell = |at: usize| self.cells.get(at).copied().unwrap_or_default();

@@ -96,7 +96,8 @@ impl<T: Send> Parts<T> {
 /// Splits off the first `len` entries of `rest`, or what there is.
 pub fn take<'a, T>(rest: &mut &'a mut [T], len: usize) -> &'a mut [T] {
     let all = core::mem::take(rest);
-    let (head, tail) = all.split_at_mut(len.min(all.len()));
+    let len = len.min(all.len());
+    let (head, tail) = all.split_at_mut_checked(len).unwrap_or_default();
     *rest = tail;
     head
 }

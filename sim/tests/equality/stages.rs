@@ -172,12 +172,19 @@ impl Stages {
         filter.scatter(std::iter::once(&seen(&projected)[..]), &mut target);
         expected.push((Probe::Sums, wide(sums.as_flattened()).collect()));
         if planes {
-            let centred = moments.iter().zip(&sums).enumerate().flat_map(|(i, (m, s))| {
-                let within = |v: usize| (v % (1 << ANCHOR_BITS)) as i32;
-                let pixel = (within(i % usize::from(width)), within(i / usize::from(width)));
-                let moments = Fixed::centred(s, m, pixel);
-                wide(&moments[..11]).collect::<Vec<_>>()
-            });
+            let centred = moments
+                .iter()
+                .zip(&sums)
+                .enumerate()
+                .flat_map(|(i, (m, s))| {
+                    let within = |v: usize| (v % (1 << ANCHOR_BITS)) as i32;
+                    let pixel = (
+                        within(i % usize::from(width)),
+                        within(i / usize::from(width)),
+                    );
+                    let moments = Fixed::centred(s, m, pixel);
+                    wide(&moments[..11]).collect::<Vec<_>>()
+                });
             expected.push((Probe::Moments, centred.collect()));
         }
         let mut texels = vec![Texel::<Fixed>::default(); pixels];

@@ -110,7 +110,11 @@ pub(crate) fn tiles(size: u16, rng: &mut Rng) -> Vec<Tile> {
 pub(crate) fn sample(rng: &mut Rng) -> WorldSample {
     let kind = rng.below(100);
     let (place, object, bright) = if kind < 5 {
-        ([rng.next() as i16, rng.next() as i16, 30_000], SKY, kind < 2)
+        (
+            [rng.next() as i16, rng.next() as i16, 30_000],
+            SKY,
+            kind < 2,
+        )
     } else if kind < 40 {
         let (u, v) = (rng.unit() * std::f64::consts::TAU, rng.unit() * 2.0 - 1.0);
         let r = 4000.0 * (1.0 - v * v).sqrt();
@@ -120,7 +124,11 @@ pub(crate) fn sample(rng: &mut Rng) -> WorldSample {
     } else {
         let at = [0, 1].map(|_| (rng.unit() - 0.5) * 65_000.0);
         let checker = (at[0] / 3000.0).floor() + (at[1] / 3000.0).floor();
-        ([at[0] as i16, at[1] as i16, 20_000], 0, checker as i64 % 2 == 0)
+        (
+            [at[0] as i16, at[1] as i16, 20_000],
+            0,
+            checker as i64 % 2 == 0,
+        )
     };
     let level = if bright { 240 } else { 3 } + rng.below(13) as u8;
     WorldSample {
@@ -176,11 +184,18 @@ impl Show {
     }
 
     /// What arrives before the next refresh.
-    pub(crate) fn next<A: Arith, W: Workers>(&mut self, display: &mut Display<'_, A, W>, moving: bool) {
+    pub(crate) fn next<A: Arith, W: Workers>(
+        &mut self,
+        display: &mut Display<'_, A, W>,
+        moving: bool,
+    ) {
         for i in 0..self.arrive {
             let after = i as u64 * u64::from(REFRESH) / self.arrive as u64;
             let sample = sample(&mut self.rng);
-            display.world_sample(Tick(self.time.wrapping_add(after as u32 / 1000 * 1000)), &sample);
+            display.world_sample(
+                Tick(self.time.wrapping_add(after as u32 / 1000 * 1000)),
+                &sample,
+            );
         }
         self.time = self.time.wrapping_add(REFRESH);
         self.index += 1;

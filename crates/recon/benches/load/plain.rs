@@ -33,7 +33,9 @@ impl Plain {
     pub(crate) fn new(size: u16, samples: usize) -> Self {
         let mut rng = scene::Rng(1);
         let tiles = scene::tiles(size, &mut rng);
-        let lifetimes = tiles.iter().map(|t| (t.lifetime.log2_q8() as f32 / 256.0).exp2());
+        let lifetimes = tiles
+            .iter()
+            .map(|t| (t.lifetime.log2_q8() as f32 / 256.0).exp2());
         let lifetimes = lifetimes.collect();
         let samples = (0..samples).map(|i| {
             let sample = scene::sample(&mut rng);
@@ -66,8 +68,8 @@ impl Plain {
             for (k, row) in transform.iter_mut().enumerate() {
                 for j in 0..3 {
                     let r = view.rows[k][j] as f32;
-                    for i in 0..3 {
-                        row[i] += r * pose.matrix[j][i] as f32 / (1u64 << pose.frac_bits) as f32;
+                    for (entry, m) in row.iter_mut().zip(pose.matrix[j]) {
+                        *entry += r * m as f32 / (1u64 << pose.frac_bits) as f32;
                     }
                     row[3] += r * (pose.translation[j] - view.eye[j]) as f32;
                 }
