@@ -43,9 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 let pixel = Vec2::new(next(), next());
                 let moment = world.moment(t0 + 1e-3 * f64::from(i) / f64::from(each));
                 let hit = moment.look(pixel, state);
-                rays.primary += hit.rays.primary;
-                rays.shadow += hit.rays.shadow;
-                rays.bounce += hit.rays.bounce;
+                rays += hit.rays;
             }
         }
         let seconds = start.elapsed().as_secs_f64() - preparing;
@@ -56,9 +54,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             world.triangle_count(),
             world.object_count(),
             n / seconds * 1e-6,
-            1.0 + f64::from(rays.shadow + rays.bounce) / n,
-            f64::from(rays.shadow) / n,
-            f64::from(rays.bounce) / n,
+            f64::from(rays.total()) / n,
+            f64::from(rays.shadow + rays.soft) / n,
+            f64::from(rays.bounce + rays.refraction) / n,
             preparing / f64::from(epochs) * 1e6,
         );
     }

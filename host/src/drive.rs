@@ -208,9 +208,7 @@ impl Host {
         clock.lap(&mut self.spent.stream);
         let untold = self.sampler.take_rays();
         for rays in self.shots.iter().map(|shot| shot.hit.rays).chain([untold]) {
-            progress.rays.primary += rays.primary;
-            progress.rays.shadow += rays.shadow;
-            progress.rays.bounce += rays.bounce;
+            progress.rays += rays;
         }
         progress.samples = self.shots.len();
         self.now = end;

@@ -178,9 +178,7 @@ pub fn measure(
             let clock = Instant::now();
             let step = host.advance(&mut bytes)?;
             outcome.seconds_host += clock.elapsed().as_secs_f64();
-            outcome.rays.primary += step.rays.primary;
-            outcome.rays.shadow += step.rays.shadow;
-            outcome.rays.bounce += step.rays.bounce;
+            outcome.rays += step.rays;
             outcome.cuts += u32::from(step.cut);
             let clock = Instant::now();
             let mut input = &bytes[..];

@@ -34,6 +34,8 @@ pub(crate) struct Knot {
     /// World to frame, one a frame.
     pub(crate) inverses: Vec<Affine3A>,
     pub(crate) lamps: Vec<Place>,
+    /// Node to world, one a lamp; empty without area lights.
+    pub(crate) lamp_poses: Vec<Affine3A>,
 }
 
 /// The prepared stretch. Invariant: at least one knot, times ascending.

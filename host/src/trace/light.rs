@@ -1,12 +1,14 @@
 //! Where light comes from: punctual lights (KHR_lights_punctual) and emissive meshes.
 //!
-//! An emissive primitive without emissive texture is an area light. It is sampled at its
-//! centroid alone, so its shadows are hard; [`Lamp::incoming`] is the one place to change for
-//! stochastic area sampling. Primitives with an emissive texture and skinned ones are seen but
-//! light nothing.
+//! An emissive primitive without emissive texture is an area light, of which each sample sees one
+//! point ([`crate::effects::area`]). Primitives with an emissive texture and skinned ones are seen
+//! but light nothing.
+
+use std::sync::Arc;
 
 use glam::{Affine3A, Vec3, Vec3A};
 
+use crate::effects::area::Surface;
 use crate::scene::animate::Animation;
 use crate::scene::model::{Light, LightKind, Node, Primitive, Scene};
 
@@ -23,13 +25,8 @@ pub(crate) struct Lamp {
 #[derive(Clone, Debug)]
 enum Shape {
     Punctual(Light),
-    /// In the node's coordinates.
     Emitter {
-        centroid: Vec3,
-        /// Σ area·normal over the triangles, m².
-        area: Vec3,
-        /// Σ area over the triangles, m².
-        total: f32,
+        surface: Arc<Surface>,
         radiance: Vec3,
     },
 }
@@ -38,9 +35,9 @@ enum Shape {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Place {
     position: Vec3,
-    /// Where it shines (unit), or the area vector of an emitter, m².
+    /// Where it shines (unit); zero for an emitter.
     axis: Vec3,
-    /// Total area of an emitter, m².
+    /// Area of an emitter, m².
     total: f32,
 }
 
@@ -108,30 +105,34 @@ impl Lamp {
                     .into(),
                 total: 0.0,
             },
-            Shape::Emitter {
-                centroid,
-                area,
-                total,
-                ..
-            } => {
-                // Area vectors transform by the cofactors.
-                let m = pose.matrix3;
-                let cofactors = glam::Mat3A::from_cols(
-                    m.y_axis.cross(m.z_axis),
-                    m.z_axis.cross(m.x_axis),
-                    m.x_axis.cross(m.y_axis),
-                );
-                Place {
-                    position: pose.transform_point3(*centroid),
-                    axis: (cofactors * Vec3A::from(*area)).into(),
-                    total: total * m.determinant().abs().powf(2.0 / 3.0),
-                }
-            }
+            Shape::Emitter { surface, .. } => Place {
+                position: pose.transform_point3(surface.centroid),
+                axis: Vec3::ZERO,
+                // As if the scale were the same in all directions.
+                total: surface.total * pose.matrix3.determinant().abs().powf(2.0 / 3.0),
+            },
         }
     }
 
-    /// What arrives at `at` from the lamp at `place`; `None` where that is nothing.
-    pub(crate) fn incoming(&self, place: &Place, at: Vec3) -> Option<Incoming> {
+    /// Its node.
+    pub(crate) fn node(&self) -> usize {
+        self.node
+    }
+
+    /// Whether it is an area light.
+    pub(crate) fn is_area(&self) -> bool {
+        matches!(self.shape, Shape::Emitter { .. })
+    }
+
+    /// What arrives at `at` from the lamp at `place`; `None` where that is nothing. An area
+    /// light asks `point` for two numbers in 0..1 and its pose.
+    #[inline]
+    pub(crate) fn incoming(
+        &self,
+        place: &Place,
+        at: Vec3,
+        point: impl FnOnce() -> ([f32; 2], Affine3A),
+    ) -> Option<Incoming> {
         let offset = place.position - at;
         let d2 = offset.length_squared().max(1e-8);
         let distance = d2.sqrt();
@@ -166,15 +167,12 @@ impl Lamp {
                     })
                 }
             },
-            Shape::Emitter { radiance, .. } => {
-                // A flat patch shows |N·w|; what its area vector lacks is closed, and a closed
-                // surface shows a quarter of its area on average (Cauchy).
-                let facing = place.axis.dot(towards).abs();
-                let closed = (place.total - place.axis.length()).max(0.0) / 4.0;
-                // Near the light the solid angle saturates instead of growing without bound.
-                let solid = (facing + closed) / (d2 + place.total / std::f32::consts::PI);
+            Shape::Emitter { surface, radiance } => {
+                let (random, pose) = point();
+                let (offset, solid) = surface.seen(random, &pose, place.total, at)?;
+                let distance = offset.length().max(1e-4);
                 Some(Incoming {
-                    towards,
+                    towards: offset / distance,
                     distance,
                     irradiance: *radiance * solid,
                 })
@@ -208,24 +206,12 @@ fn primitives<'a>(scene: &'a Scene, node: &Node) -> &'a [Primitive] {
 
 /// Power (up to a factor) and lamp of an emissive primitive.
 fn emitter(scene: &Scene, node: usize, primitive: &Primitive) -> Option<(f32, Lamp)> {
-    let (mut centroid, mut area, mut total) = (Vec3::ZERO, Vec3::ZERO, 0.0);
-    for triangle in &primitive.indices {
-        let [a, b, c] = triangle.map(|i| primitive.positions[i as usize]);
-        let vector = (b - a).cross(c - a) * 0.5;
-        let size = vector.length();
-        centroid += (a + b + c) / 3.0 * size;
-        area += vector;
-        total += size;
-    }
-    if total <= 0.0 {
-        return None;
-    }
+    let surface = Surface::new(primitive)?;
     let radiance = scene.materials[primitive.material].emissive;
+    let power = radiance.max_element() * surface.total;
     let shape = Shape::Emitter {
-        centroid: centroid / total,
-        area,
-        total,
+        surface: Arc::new(surface),
         radiance,
     };
-    Some((radiance.max_element() * total, Lamp { node, shape }))
+    Some((power, Lamp { node, shape }))
 }

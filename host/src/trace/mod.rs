@@ -44,13 +44,50 @@ pub struct Hit {
     pub rays: Rays,
 }
 
-/// Rays by kind.
+/// Rays by what called for them; no ray is counted twice.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Rays {
     /// From the camera.
     pub primary: u32,
-    /// Towards lights.
+    /// From surfaces towards point, spot and directional lights.
     pub shadow: u32,
-    /// Mirror and glass bounces.
+    /// From surfaces towards area lights.
+    pub soft: u32,
+    /// From mirrors.
     pub bounce: u32,
+    /// From glass, reflected and refracted.
+    pub refraction: u32,
+    /// From within a medium towards lights.
+    pub medium: u32,
+}
+
+impl Rays {
+    /// Rays by the name of the effect that called for them (as in `scene::calls`).
+    #[must_use]
+    pub fn by_effect(&self) -> [(&'static str, u32); 5] {
+        [
+            ("hard_shadows", self.shadow),
+            ("soft_shadows", self.soft),
+            ("mirror", self.bounce),
+            ("refraction", self.refraction),
+            ("medium", self.medium),
+        ]
+    }
+
+    /// Rays of all kinds.
+    #[must_use]
+    pub fn total(&self) -> u32 {
+        self.primary + self.by_effect().iter().map(|(_, n)| n).sum::<u32>()
+    }
+}
+
+impl std::ops::AddAssign for Rays {
+    fn add_assign(&mut self, other: Self) {
+        self.primary += other.primary;
+        self.shadow += other.shadow;
+        self.soft += other.soft;
+        self.bounce += other.bounce;
+        self.refraction += other.refraction;
+        self.medium += other.medium;
+    }
 }

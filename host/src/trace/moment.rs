@@ -115,7 +115,7 @@ impl<'a> Moment<'a> {
     }
 
     fn sample(&self, origin: Vec3, direction: Vec3, seed: u32) -> Hit {
-        let mut shader = Shader::new(self, seed);
+        let mut shader = Shader::new(self, seed ^ scramble(direction));
         shader.rays = Rays {
             primary: 1,
             ..Rays::default()
@@ -131,6 +131,8 @@ impl<'a> Moment<'a> {
                     weight: Vec3::ONE,
                 };
                 let colour = shader.radiance(&struck, &path);
+                let colour =
+                    shader.through_medium(origin, path.direction, struck.t * length, colour);
                 Hit {
                     colour: colour.clamp(Vec3::ZERO, Vec3::ONE),
                     object: struck.spot.object,
@@ -141,8 +143,10 @@ impl<'a> Moment<'a> {
             }
             None => {
                 let direction = direction.normalize();
+                let sky = shader.sky(direction);
+                let colour = shader.through_medium(origin, direction, f32::INFINITY, sky);
                 Hit {
-                    colour: shader.sky(direction).clamp(Vec3::ZERO, Vec3::ONE),
+                    colour: colour.clamp(Vec3::ZERO, Vec3::ONE),
                     object: SKY,
                     local: direction,
                     depth: f32::INFINITY,
@@ -156,6 +160,16 @@ impl<'a> Moment<'a> {
     pub(crate) fn lamp(&self, i: usize) -> Place {
         let knots = &self.world.epoch.knots;
         knots[self.knot].lamps[i].lerp(&knots[self.next].lamps[i], self.f)
+    }
+
+    /// Pose of an area light's node.
+    pub(crate) fn lamp_pose(&self, i: usize) -> Affine3A {
+        let knots = &self.world.epoch.knots;
+        blend(
+            &knots[self.knot].lamp_poses[i],
+            &knots[self.next].lamp_poses[i],
+            self.f,
+        )
     }
 
     /// World to frame.
@@ -331,6 +345,12 @@ impl<'a> Moment<'a> {
             && !self.world.glowing[a.material as usize]
             && self.opaque(a, uv)
     }
+}
+
+/// Bits of a direction, so that rays with the same seed differ.
+fn scramble(direction: Vec3) -> u32 {
+    let [x, y, z] = direction.to_array().map(f32::to_bits);
+    x ^ y.rotate_left(11).wrapping_mul(0x9e37_79b1) ^ z.rotate_left(21).wrapping_mul(0x85eb_ca77)
 }
 
 /// Two independent numbers in 0..1 (PCG output permutation, O'Neill 2014).

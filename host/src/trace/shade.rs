@@ -1,8 +1,9 @@
-//! What light a surface sends back: direct light with hard shadows, mirrors, glass.
+//! What light a surface sends back: direct light with its shadows, mirrors, glass, and the medium
+//! on the way.
 //!
 //! Diffuse is Lambert's, highlights are GGX with the height-correlated Smith term (Heitz 2014)
 //! and Schlick's Fresnel, as glTF 2.0 Appendix B describes. Mirrors and glass follow rays; both
-//! choices of a glass surface are followed, so nothing is random.
+//! choices of a glass surface are followed. Points on area lights and in the medium are random.
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
@@ -10,7 +11,7 @@ use glam::Vec3;
 
 use super::Rays;
 use super::cone::{Cone, Footprint};
-use super::moment::{Moment, Struck};
+use super::moment::{Moment, Struck, unit_square};
 use super::pattern::pattern;
 use crate::scene::model::{MIRROR_ROUGHNESS, Material};
 
@@ -28,11 +29,7 @@ pub(crate) struct Shader<'a> {
     moment: &'a Moment<'a>,
     /// Rays traced so far.
     pub(crate) rays: Rays,
-    /// For effects that choose at random; none yet but the lens, which has chosen already.
-    #[expect(
-        dead_code,
-        reason = "area-light sampling takes its random numbers from here"
-    )]
+    /// Where effects that choose at random take their numbers from.
     seed: u32,
 }
 
@@ -94,6 +91,7 @@ impl<'a> Shader<'a> {
         if mirror {
             let cos = -path.direction.dot(struck.smooth);
             let tint = schlick(base, cos) * material.metallic;
+            self.rays.bounce += self.worth_following(path, tint);
             light += self.mirrored(struck, path, tint);
             share -= material.metallic;
         } else if material.transmission > 0.0 {
@@ -145,7 +143,10 @@ impl<'a> Shader<'a> {
     fn direct(&mut self, s: &Struck, direction: Vec3, response: &Response, weight: Vec3) -> Vec3 {
         let mut sum = Vec3::ZERO;
         for (i, lamp) in self.moment.world.lamps.iter().enumerate() {
-            let Some(light) = lamp.incoming(&self.moment.lamp(i), s.place) else {
+            let moment = self.moment;
+            let seed = &mut self.seed;
+            let point = || (random(seed), moment.lamp_pose(i));
+            let Some(mut light) = lamp.incoming(&moment.lamp(i), s.place, point) else {
                 continue;
             };
             let cos = s.smooth.dot(light.towards);
@@ -153,11 +154,18 @@ impl<'a> Shader<'a> {
                 continue;
             }
             let reflected = response.towards(s.smooth, -direction, light.towards);
+            if let Some(medium) = &moment.world.scene.medium {
+                light.irradiance *= medium.between(s.place, light.towards, light.distance);
+            }
             let arriving = reflected * light.irradiance * cos;
             if (arriving * weight).max_element() < NEGLIGIBLE {
                 continue;
             }
-            self.rays.shadow += 1;
+            if lamp.is_area() {
+                self.rays.soft += 1;
+            } else {
+                self.rays.shadow += 1;
+            }
             let origin = lifted(s.place, s.flat);
             let reach = light.distance * 0.9999;
             if !self.moment.blocked(origin, light.towards, reach) {
@@ -214,21 +222,22 @@ impl<'a> Shader<'a> {
                 weight: path.weight * through,
                 ..*path
             };
+            self.rays.refraction += self.worth_following(path, through);
             light += through * self.follow(origin, next);
         }
         let whole = Vec3::splat(fresnel * material.transmission);
+        self.rays.refraction += self.worth_following(path, whole);
         light + self.mirrored(s, path, whole)
     }
 
     /// Radiance along a bounced ray, whose cone is that at its origin.
     fn follow(&mut self, origin: Vec3, path: Path) -> Vec3 {
-        if path.weight.max_element() < FAINT || path.bounces >= MAX_BOUNCES {
+        if !goes_on(&path) {
             // What is not followed any more is taken to be the ambient light.
             return self.moment.world.scene.sky.ambient;
         }
-        self.rays.bounce += 1;
         let direction = path.direction.normalize_or(Vec3::Y);
-        match self.moment.closest(origin, direction) {
+        let (end, light) = match self.moment.closest(origin, direction) {
             Some(struck) => {
                 let path = Path {
                     direction,
@@ -236,11 +245,65 @@ impl<'a> Shader<'a> {
                     bounces: path.bounces + 1,
                     ..path
                 };
-                self.radiance(&struck, &path)
+                (struck.t, self.radiance(&struck, &path))
             }
-            None => self.sky(direction),
-        }
+            None => (f32::INFINITY, self.sky(direction)),
+        };
+        self.through_medium(origin, direction, end, light)
     }
+
+    /// Whether a path goes on after `tint`, as a number of rays.
+    fn worth_following(&self, path: &Path, tint: Vec3) -> u32 {
+        let weight = path.weight * tint;
+        u32::from(goes_on(&Path { weight, ..*path }))
+    }
+
+    /// What arrives at `origin` of `light` from `end` metres along the unit `direction`, with
+    /// what the medium adds on the way: one place in it, and all lamps from there.
+    pub(crate) fn through_medium(
+        &mut self,
+        origin: Vec3,
+        direction: Vec3,
+        end: f32,
+        light: Vec3,
+    ) -> Vec3 {
+        let moment = self.moment;
+        let Some(medium) = &moment.world.scene.medium else {
+            return light;
+        };
+        let Some(inside) = medium.stretch(origin, direction, end) else {
+            return light;
+        };
+        let [at, _] = random(&mut self.seed);
+        let (s, weight) = medium.distance(inside.length(), at);
+        let place = origin + direction * (inside.from + s);
+        let mut thrown = Vec3::ZERO;
+        for (i, lamp) in moment.world.lamps.iter().enumerate() {
+            let seed = &mut self.seed;
+            let point = || (random(seed), moment.lamp_pose(i));
+            let Some(lit) = lamp.incoming(&moment.lamp(i), place, point) else {
+                continue;
+            };
+            self.rays.medium += 1;
+            if !moment.blocked(place, lit.towards, lit.distance * 0.9999) {
+                let passing = medium.between(place, lit.towards, lit.distance);
+                let phase = medium.phase(direction.dot(lit.towards));
+                thrown += lit.irradiance * (passing * phase);
+            }
+        }
+        light * medium.transmittance(inside.length()) + thrown * (medium.sigma_s * weight)
+    }
+}
+
+/// Whether a bounced path is followed.
+fn goes_on(path: &Path) -> bool {
+    path.weight.max_element() >= FAINT && path.bounces < MAX_BOUNCES
+}
+
+/// The next two numbers in 0..1.
+fn random(seed: &mut u32) -> [f32; 2] {
+    *seed = seed.wrapping_add(0x9e37_79b9);
+    unit_square(*seed)
 }
 
 impl Response {

@@ -75,8 +75,9 @@ impl World {
     ///
     /// # Errors
     /// When the size is not 1..=4096 or the scene contradicts itself.
-    pub fn new(scene: Scene, size: [u32; 2]) -> Result<Self, WorldError> {
+    pub fn new(mut scene: Scene, size: [u32; 2]) -> Result<Self, WorldError> {
         check(&scene, size)?;
+        scene.medium = scene.medium.filter(|m| m.extinction() > 0.0);
         let animation = Animation::new(&scene);
         let mut poses = Vec::new();
         animation.world_all(&scene, 0.0, &mut poses);
@@ -251,6 +252,7 @@ impl World {
                     .iter()
                     .map(|l| l.place(&self.poses))
                     .collect::<Vec<Place>>(),
+                lamp_poses: self.lamp_poses(),
             });
             frame_poses.push(frames);
         }
@@ -277,6 +279,14 @@ impl World {
     #[must_use]
     pub fn moment(&self, t: f64) -> Moment<'_> {
         Moment::new(self, t)
+    }
+
+    /// Poses of the lamps' nodes, if any lamp has an area.
+    fn lamp_poses(&self) -> Vec<Affine3A> {
+        if !self.lamps.iter().any(Lamp::is_area) {
+            return Vec::new();
+        }
+        self.lamps.iter().map(|l| self.poses[l.node()]).collect()
     }
 
     fn camera_at(&self, pose: &Affine3A, lens: &Lens) -> Camera {

@@ -162,6 +162,9 @@ fn ledger(outcome: &Outcome) -> Value {
             "primary": outcome.rays.primary,
             "shadow": outcome.rays.shadow,
             "bounce": outcome.rays.bounce,
+            "soft": outcome.rays.soft,
+            "refraction": outcome.rays.refraction,
+            "medium": outcome.rays.medium,
         },
         "wire": packets,
         "sample_bits": {

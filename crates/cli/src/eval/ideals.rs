@@ -190,7 +190,7 @@ pub fn classify(world: &mut World, time: f64, image: &[[u8; 3]]) -> Vec<PixelCla
             .zip(levels(&before))
             .map(|(a, b)| (a - b).abs());
         let change = change.fold(0.0, f32::max);
-        if hit.rays.bounce > 0 || (only_view_moves && change >= VIEW_CHANGE) {
+        if hit.rays.bounce + hit.rays.refraction > 0 || (only_view_moves && change >= VIEW_CHANGE) {
             PixelClass::ViewDependent
         } else if is_edge(&hits, w, i) {
             PixelClass::Edge

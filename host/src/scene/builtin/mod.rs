@@ -1,6 +1,7 @@
 //! Scenes made in code, after the test animations of Dayal et al. 2005 (§7).
 
 mod atelier;
+mod effects;
 mod interactive;
 mod shapes;
 mod stage;
@@ -10,7 +11,29 @@ mod walkthrough;
 use crate::scene::model::Scene;
 
 /// Names of the built-in scenes.
-pub const BUILTIN: [&str; 5] = ["interactive", "walkthrough", "toycar", "atelier", "stress"];
+pub const BUILTIN: [&str; 11] = [
+    "interactive",
+    "walkthrough",
+    "toycar",
+    "atelier",
+    "stress",
+    "cornell",
+    "office",
+    "forest",
+    "slats",
+    "cornell-mist",
+    "forest-mist",
+];
+
+/// Scenes that call for soft shadows and media.
+pub const EFFECTS: [&str; 6] = [
+    "cornell",
+    "office",
+    "forest",
+    "slats",
+    "cornell-mist",
+    "forest-mist",
+];
 
 /// The animations that methods are compared on.
 pub const ANIMATIONS: [&str; 3] = ["interactive", "walkthrough", "toycar"];
@@ -24,6 +47,12 @@ pub fn builtin(name: &str) -> Option<Scene> {
         "toycar" => Some(toycar::scene()),
         "atelier" => Some(atelier::scene()),
         "stress" => Some(interactive::stress()),
+        "cornell" => Some(effects::cornell("cornell", false)),
+        "cornell-mist" => Some(effects::cornell("cornell-mist", true)),
+        "office" => Some(effects::office()),
+        "forest" => Some(effects::forest("forest", false)),
+        "forest-mist" => Some(effects::forest("forest-mist", true)),
+        "slats" => Some(effects::slats()),
         _ => None,
     }
 }
@@ -38,7 +67,7 @@ mod tests {
 
     #[test]
     fn cameras_keep_clear_of_surfaces_and_loop_without_a_jump() {
-        for name in BUILTIN {
+        for name in [&ANIMATIONS[..], &["atelier", "stress"]].concat() {
             let mut world = World::new(builtin(name).unwrap(), [64, 64]).unwrap();
             let duration = world.scene().duration;
             let mut nearest = f32::INFINITY;

@@ -3,8 +3,8 @@
 use glam::{Quat, Vec3};
 
 use crate::scene::model::{
-    Channel, Interpolation, Lens, Light, LightKind, Material, Mesh, Node, Primitive, Procedural,
-    Scene, Sky, Track,
+    Channel, Interpolation, Lens, Light, LightKind, Material, Medium, Mesh, Node, Primitive,
+    Procedural, Scene, Sky, Track,
 };
 
 /// A scene under construction.
@@ -71,6 +71,24 @@ impl Stage {
         self.0.materials[material].metallic = metallic;
         self.0.materials[material].roughness = 0.0;
         material
+    }
+
+    /// A matt material that shines with `radiance`, W/(m²·sr): its meshes are area lights.
+    pub(super) fn glow(&mut self, name: &str, radiance: [f32; 3]) -> usize {
+        let material = self.matt(name, [0.0; 3]);
+        self.0.materials[material].emissive = radiance.into();
+        material
+    }
+
+    /// Fills a box with a medium that scatters `scattering` 1/m and absorbs a tenth of that, asymmetry `g`.
+    pub(super) fn medium(&mut self, min: Vec3, max: Vec3, scattering: f32, g: f32) {
+        self.0.medium = Some(Medium {
+            min,
+            max,
+            sigma_s: scattering,
+            sigma_a: 0.1 * scattering,
+            g,
+        });
     }
 
     /// A node without anything on it.

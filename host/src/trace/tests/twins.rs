@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 use unframed_wire::SKY;
 
 use super::{Random, brute_force, world};
-use crate::scene::builtin::BUILTIN;
+use crate::scene::builtin::{ANIMATIONS, BUILTIN};
 use crate::trace::Hit;
 
 #[test]
@@ -84,7 +84,7 @@ fn hits_project_to_their_pixel_through_the_pose() {
 
 #[test]
 fn a_ray_is_blocked_exactly_where_something_is_nearer() {
-    for name in BUILTIN {
+    for name in ANIMATIONS {
         let mut world = world(name);
         let mut random = Random(11);
         let (mut blocked, mut free, mut checked) = (0, 0, 0);

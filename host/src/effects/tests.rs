@@ -1,0 +1,218 @@
+//! Effects against closed forms, their convergence, and the ledger on a matrix of scenes.
+
+use glam::{Vec2, Vec3};
+
+use crate::scene::builtin::{EFFECTS, builtin};
+use crate::scene::calls;
+use crate::scene::model::{Light, LightKind, Medium, Node, Scene};
+use crate::trace::{Rays, World};
+
+const SIZE: [u32; 2] = [32, 32];
+
+/// All rays of a small image, and its colours.
+fn image(scene: Scene) -> (Rays, Vec<Vec3>) {
+    let world = World::new(scene, SIZE).expect("a sound scene");
+    let moment = world.moment(0.0);
+    let mut rays = Rays::default();
+    let colours = (0..SIZE[0] * SIZE[1])
+        .map(|i| {
+            let pixel = Vec2::new((i % SIZE[0]) as f32, (i / SIZE[0]) as f32) + 0.5;
+            let hit = moment.look(pixel, i);
+            rays += hit.rays;
+            hit.colour
+        })
+        .collect();
+    (rays, colours)
+}
+
+/// The Cornell box without its lamp's glow, so that it calls for no effect at all.
+fn plain() -> Scene {
+    let mut scene = builtin("cornell").expect("built in");
+    scene
+        .materials
+        .iter_mut()
+        .for_each(|m| m.emissive = Vec3::ZERO);
+    scene
+}
+
+const MIST: Medium = Medium {
+    min: Vec3::new(-1.0, 0.0, -1.0),
+    max: Vec3::new(1.0, 2.0, 1.0),
+    sigma_s: 0.3,
+    sigma_a: 0.1,
+    g: 0.2,
+};
+
+/// An effect, and what makes a scene call for it.
+type Cause = (&'static str, fn(&mut Scene));
+
+/// All effects that cost rays.
+const CAUSES: [Cause; 5] = [
+    ("hard_shadows", |s| {
+        s.nodes.push(Node {
+            translation: Vec3::new(0.3, 1.7, 0.2),
+            light: Some(Light {
+                kind: LightKind::Point,
+                intensity: Vec3::ONE,
+                range: f32::INFINITY,
+            }),
+            ..Node::default()
+        });
+    }),
+    ("soft_shadows", |s| {
+        s.materials[3].emissive = Vec3::splat(10.0)
+    }),
+    ("mirror", |s| {
+        (s.materials[1].metallic, s.materials[1].roughness) = (1.0, 0.0);
+    }),
+    ("refraction", |s| s.materials[2].transmission = 1.0),
+    ("medium", |s| s.medium = Some(MIST)),
+];
+
+#[test]
+fn the_ledger_is_zero_for_what_is_not_called_for() {
+    for mask in 0u32..32 {
+        let mut scene = plain();
+        for (i, (_, cause)) in CAUSES.iter().enumerate() {
+            if mask & 1 << i != 0 {
+                cause(&mut scene);
+            }
+        }
+        let called = calls::effects(&scene);
+        let lit = mask & 3 != 0;
+        let (rays, _) = image(scene);
+        assert_eq!(rays.primary, SIZE[0] * SIZE[1]);
+        for (i, (name, count)) in rays.by_effect().into_iter().enumerate() {
+            assert_eq!(name, CAUSES[i].0);
+            let call = called.iter().find(|e| e.name == name).expect("an effect");
+            assert_eq!(call.called_for, mask & 1 << i != 0, "{name} in {mask:b}");
+            // Without a lamp, a medium throws nothing in and needs no ray.
+            let expected = call.called_for && (lit || name != "medium");
+            assert_eq!(count > 0, expected, "{name} in {mask:b}: {count} rays");
+        }
+    }
+}
+
+#[test]
+fn a_medium_of_no_density_is_no_medium() {
+    for name in EFFECTS {
+        let mut scene = builtin(name).expect("built in");
+        scene.medium = None;
+        let without = image(scene.clone());
+        scene.medium = Some(Medium {
+            sigma_s: 0.0,
+            sigma_a: 0.0,
+            ..MIST
+        });
+        assert_eq!(image(scene.clone()), without, "{name}");
+        // The arithmetic says so too, not only the test that leaves it out.
+        let none = scene.medium.expect("set above");
+        let through = none.between(Vec3::ZERO, Vec3::X, 5.0);
+        assert_eq!(through.to_bits(), 1.0f32.to_bits());
+        assert_eq!(none.distance(2.0, 0.25), (0.5, 2.0));
+        scene.medium = Some(MIST);
+        assert_ne!(image(scene).1, without.1, "{name}: a medium shows");
+    }
+}
+
+#[test]
+fn a_medium_is_met_where_its_box_is_and_weakens_by_the_law() {
+    let inside = MIST.stretch(Vec3::new(0.0, 1.0, 5.0), Vec3::NEG_Z, 100.0);
+    assert_eq!(inside.map(|s| (s.from, s.to)), Some((4.0, 6.0)));
+    // It ends at a surface, and starts at once for an eye within.
+    let inside = MIST.stretch(Vec3::new(0.0, 1.0, 0.5), Vec3::NEG_Z, 1.0);
+    assert_eq!(inside.map(|s| (s.from, s.to)), Some((0.0, 1.0)));
+    assert_eq!(
+        MIST.stretch(Vec3::new(0.0, 3.0, 5.0), Vec3::NEG_Z, 9.0),
+        None
+    );
+    assert_eq!(
+        MIST.stretch(Vec3::new(0.0, 1.0, 5.0), Vec3::NEG_Z, 3.0),
+        None
+    );
+    let passes = MIST.between(Vec3::new(0.0, 1.0, 5.0), Vec3::NEG_Z, 100.0);
+    assert!((passes - (-0.4f32 * 2.0).exp()).abs() < 1e-6);
+    // The phase function integrates to one over the sphere.
+    let n = 20_000;
+    let sum: f32 = (0..n)
+        .map(|i| MIST.phase((i as f32 + 0.5) / n as f32 * 2.0 - 1.0))
+        .sum();
+    let integral = sum / n as f32 * 4.0 * std::f32::consts::PI;
+    assert!((integral - 1.0).abs() < 1e-3, "{integral}");
+    // Distances follow the density, and the weight is its integral: the mean of s is known.
+    let (length, extinction) = (3.0f32, 0.4f32);
+    let mean: f32 = (0..n)
+        .map(|i| MIST.distance(length, (i as f32 + 0.5) / n as f32).0)
+        .sum::<f32>()
+        / n as f32;
+    let passing = (-extinction * length).exp();
+    let expected = 1.0 / extinction - length * passing / (1.0 - passing);
+    assert!((mean - expected).abs() < 1e-3, "{mean} {expected}");
+    let weight = MIST.distance(length, 0.5).1;
+    assert!((weight - (1.0 - passing) / extinction).abs() < 1e-5);
+}
+
+/// Mean of a place's red after `n` looks.
+fn pixel(scene: &Scene, at: Vec2, n: u32, first: u32) -> f32 {
+    let world = World::new(scene.clone(), SIZE).expect("a sound scene");
+    let moment = world.moment(0.0);
+    let sum: f32 = (0..n).map(|i| moment.look(at, first + i).colour.x).sum();
+    sum / n as f32
+}
+
+/// The pixel whose red varies most from look to look.
+fn noisiest(scene: &Scene) -> Vec2 {
+    let world = World::new(scene.clone(), SIZE).expect("a sound scene");
+    let moment = world.moment(0.0);
+    let spread = |i: u32| {
+        let at = Vec2::new((i % SIZE[0]) as f32, (i / SIZE[0]) as f32) + 0.5;
+        let looks: Vec<f32> = (0..16).map(|k| moment.look(at, k).colour.x).collect();
+        let mean = looks.iter().sum::<f32>() / 16.0;
+        (looks.iter().map(|x| (x - mean).powi(2)).sum::<f32>(), at)
+    };
+    let all = (0..SIZE[0] * SIZE[1]).map(spread);
+    all.max_by(|a, b| a.0.total_cmp(&b.0)).expect("pixels").1
+}
+
+#[test]
+fn an_unblocked_lamp_lights_as_its_form_factor() {
+    // The floor under the middle of a square lamp of side 2a at height h gets
+    // E = 4·L·a/√(a²+h²)·atan(a/√(a²+h²)) (Howell, catalogue of view factors, B-4, four times).
+    let mut scene = builtin("cornell").expect("built in");
+    scene
+        .nodes
+        .retain(|n| n.name != "tall" && n.name != "short");
+    scene.channels.clear();
+    scene.sky = Default::default();
+    scene.materials[3].emissive = Vec3::splat(4.0);
+    let (a, h) = (0.25f32, 1.98f32);
+    let c = (a * a + h * h).sqrt();
+    let irradiance = 4.0 * 4.0 * (a / c) * (a / c).atan();
+    let expected = 0.73 * irradiance / std::f32::consts::PI;
+    let world = World::new(scene.clone(), SIZE).expect("a sound scene");
+    let (at, _) = world.camera(0.0).project(Vec3::ZERO).expect("in view");
+    let found = pixel(&scene, at, 4000, 0);
+    assert!((found / expected - 1.0).abs() < 0.01, "{found} {expected}");
+}
+
+#[test]
+fn effects_converge_as_random_samples_do() {
+    // The error falls by √n: a slope of −1/2 in a double logarithm, within a fifth.
+    for name in ["cornell", "slats"] {
+        let scene = builtin(name).expect("built in");
+        let at = noisiest(&scene);
+        let truth = pixel(&scene, at, 200_000, 1 << 20);
+        let errors = [16u32, 256, 4096].map(|n| {
+            let runs = 24;
+            let squares: f32 = (0..runs)
+                .map(|k| (pixel(&scene, at, n, k * 5000) - truth).powi(2))
+                .sum();
+            (squares / runs as f32).sqrt()
+        });
+        let slope = (errors[2] / errors[0]).log2() / 8.0;
+        assert!(
+            (slope + 0.5).abs() < 0.1,
+            "{name}: {errors:?}, slope {slope}"
+        );
+    }
+}
