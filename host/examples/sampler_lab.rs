@@ -94,6 +94,7 @@ fn turn(config: &mut Config, key: &str, number: f32) {
     let on = number != 0.0;
     match key {
         "span" => config.span = f64::from(number),
+        "slack" => config.slack = number,
         "batch" => config.batch = f64::from(number),
         "uniform_share" => config.uniform_share = number,
         "verify_share" => config.verify_share = number,

@@ -91,17 +91,36 @@ pub(super) struct Fading {
     pub(super) gradients: f32,
 }
 
-/// The pool and its planes. Invariant: `front[p]` and `back[p]` are [`NONE`] or indices of living
-/// cells whose `pixel` is `p`; `depth[p]` is that of the front cell, infinite without one;
-/// `cover[p]` its weight, 0 without one.
+/// A pixel of the planes: one look-up for all that is asked of it.
+///
+/// Invariant: `front` and `back` are [`NONE`] or indices of living cells whose `pixel` is this.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spot {
+    /// The nearest cell.
+    pub(super) front: u32,
+    /// The cell that waits behind it.
+    back: u32,
+    /// Depth of the front cell, metres; infinite without one.
+    depth: f32,
+    /// Weight of the front cell; 0 without one.
+    pub(super) cover: f32,
+}
+
+impl Spot {
+    const EMPTY: Self = Self {
+        front: NONE,
+        back: NONE,
+        depth: f32::INFINITY,
+        cover: 0.0,
+    };
+}
+
+/// The pool and its planes.
 #[derive(Clone, Debug)]
 pub(super) struct Cells {
     pub(super) size: UVec2,
     pub(super) pool: Vec<Cell>,
-    pub(super) front: Vec<u32>,
-    back: Vec<u32>,
-    depth: Vec<f32>,
-    pub(super) cover: Vec<f32>,
+    pub(super) plane: Vec<Spot>,
     hidden: Vec<u32>,
     second_layer: bool,
     hidden_test: bool,
@@ -114,10 +133,7 @@ impl Cells {
         Self {
             size,
             pool: Vec::with_capacity(2 * pixels),
-            front: vec![NONE; pixels],
-            back: vec![NONE; pixels],
-            depth: vec![f32::INFINITY; pixels],
-            cover: vec![0.0; pixels],
+            plane: vec![Spot::EMPTY; pixels],
             hidden: Vec::new(),
             second_layer: config.second_layer,
             hidden_test: config.hidden_test,
@@ -132,10 +148,7 @@ impl Cells {
     }
 
     fn clear_planes(&mut self) {
-        self.front.fill(NONE);
-        self.back.fill(NONE);
-        self.depth.fill(f32::INFINITY);
-        self.cover.fill(0.0);
+        self.plane.fill(Spot::EMPTY);
     }
 
     /// The pixel at pixel coordinates, [`NONE`] outside the image.
@@ -169,7 +182,7 @@ impl Cells {
     ) {
         self.clear_planes();
         // A pool that overflows (many cells outside the image) sheds the faintest first.
-        let crowded = self.pool.len() > 3 * self.front.len();
+        let crowded = self.pool.len() > 3 * self.plane.len();
         let least = if crowded { 0.3 } else { FORGOTTEN };
         let mut kept = 0;
         for i in 0..self.pool.len() {
@@ -194,9 +207,9 @@ impl Cells {
             if cell.pixel == NONE && !self.guarded(seen.map(|(at, _)| at)) {
                 continue;
             }
+            let at = seen.map_or(Vec2::ZERO, |(at, _)| at);
             self.pool[kept] = cell;
-            if cell.pixel == NONE || self.insert(kept as u32, seen.map_or(Vec2::ZERO, |(at, _)| at))
-            {
+            if cell.pixel == NONE || self.insert(kept as u32, at) {
                 kept += 1;
             }
         }
@@ -211,12 +224,12 @@ impl Cells {
     fn insert(&mut self, index: u32, at: Vec2) -> bool {
         let cell = self.pool[index as usize];
         let pixel = cell.pixel as usize;
-        let front = self.front[pixel];
+        let front = self.plane[pixel].front;
         if front == NONE {
             self.bring_forward(pixel, index, &cell);
             return true;
         }
-        if same_depth(cell.depth, self.depth[pixel]) {
+        if same_depth(cell.depth, self.plane[pixel].depth) {
             if let Some(free) = self.free_beside(at) {
                 self.pool[index as usize].pixel = free as u32;
                 self.bring_forward(free, index, &cell);
@@ -224,25 +237,30 @@ impl Cells {
             }
             let other = &mut self.pool[front as usize];
             other.merge(&cell);
-            self.depth[pixel] = other.depth;
-            self.cover[pixel] = other.weight;
+            self.plane[pixel].depth = other.depth;
+            self.plane[pixel].cover = other.weight;
             return false;
         }
-        if cell.depth < self.depth[pixel] {
+        if cell.depth < self.plane[pixel].depth {
             self.bring_forward(pixel, index, &cell);
-            if !self.hide_behind(front) {
-                self.pool[front as usize].weight = 0.0;
-            }
+            self.hide_front(front);
             return true;
         }
         self.hide_behind(index)
     }
 
+    /// Puts a cell that is no longer in front behind the front cell of its pixel, or forgets it.
+    fn hide_front(&mut self, index: u32) {
+        if !self.hide_behind(index) {
+            self.pool[index as usize].weight = 0.0;
+        }
+    }
+
     /// Makes a cell the front one of a pixel.
     fn bring_forward(&mut self, pixel: usize, index: u32, cell: &Cell) {
-        self.front[pixel] = index;
-        self.depth[pixel] = cell.depth;
-        self.cover[pixel] = cell.weight;
+        self.plane[pixel].front = index;
+        self.plane[pixel].depth = cell.depth;
+        self.plane[pixel].cover = cell.weight;
     }
 
     /// The pixel next to the one of the place `at`, on its side, if it is free. Two cells of a
@@ -271,7 +289,7 @@ impl Cells {
         nearest
             .into_iter()
             .flatten()
-            .find(|&p| self.front[p] == NONE)
+            .find(|&p| self.plane[p].front == NONE)
     }
 
     /// Puts a cell behind the front cell of its pixel. False if it is not needed any more.
@@ -280,9 +298,9 @@ impl Cells {
             return false;
         }
         let cell = self.pool[index as usize];
-        let back = self.back[cell.pixel as usize];
+        let back = self.plane[cell.pixel as usize].back;
         if back == NONE {
-            self.back[cell.pixel as usize] = index;
+            self.plane[cell.pixel as usize].back = index;
             return true;
         }
         let other = self.pool[back as usize];
@@ -292,7 +310,7 @@ impl Cells {
         }
         // A third surface in one pixel: the two nearest are remembered.
         if cell.depth < other.depth {
-            self.back[cell.pixel as usize] = index;
+            self.plane[cell.pixel as usize].back = index;
             self.pool[back as usize].weight = 0.0;
             return true;
         }
@@ -308,32 +326,41 @@ impl Cells {
         }
         self.hidden.clear();
         let mut nearer = vec![0u8; w - 2];
+        let plane = &self.plane;
+        let line = |y: usize| plane[y * w..(y + 1) * w].iter().map(|spot| spot.depth);
+        let mut rows: [Vec<f32>; 3] = core::array::from_fn(|y| line(y).collect());
         for y in 1..h - 1 {
-            let rows = [y - 1, y, y + 1].map(|r| &self.depth[r * w..(r + 1) * w]);
+            let [above, here, below] = &rows;
             nearer.fill(0);
             let limit = |z: f32| (z - 0.003) * (1.0 / 1.05);
             // One neighbour at a time for the whole row: loops that the compiler vectorises.
-            for (row, shift) in (0..9).map(|i| (i / 3, i % 3)) {
-                let others = &rows[row][shift..shift + w - 2];
-                for ((count, z), other) in nearer.iter_mut().zip(&rows[1][1..w - 1]).zip(others) {
+            for (row, shift) in [above, here, below]
+                .into_iter()
+                .flat_map(|r| (0..3).map(move |s| (r, s)))
+            {
+                let others = &row[shift..shift + w - 2];
+                for ((count, z), other) in nearer.iter_mut().zip(&here[1..w - 1]).zip(others) {
                     *count += u8::from(*other < limit(*z));
                 }
             }
             for (x, count) in nearer.iter().enumerate() {
-                if *count >= 7 && rows[1][x + 1] < f32::INFINITY {
+                if *count >= 7 && here[x + 1] < f32::INFINITY {
                     self.hidden.push((y * w + x + 1) as u32);
                 }
+            }
+            rows.rotate_left(1);
+            if y + 2 < h {
+                rows[2].clear();
+                rows[2].extend(line(y + 2));
             }
         }
         for i in 0..self.hidden.len() {
             let pixel = self.hidden[i] as usize;
-            let front = self.front[pixel];
-            self.front[pixel] = NONE;
-            self.depth[pixel] = f32::INFINITY;
-            self.cover[pixel] = 0.0;
-            if !self.hide_behind(front) {
-                self.pool[front as usize].weight = 0.0;
-            }
+            let front = self.plane[pixel].front;
+            self.plane[pixel].front = NONE;
+            self.plane[pixel].depth = f32::INFINITY;
+            self.plane[pixel].cover = 0.0;
+            self.hide_front(front);
         }
     }
 
@@ -345,15 +372,15 @@ impl Cells {
         let front = if pixel == NONE {
             NONE
         } else {
-            self.front[pixel as usize]
+            self.plane[pixel as usize].front
         };
-        if front != NONE && same_depth(depth, self.depth[pixel as usize]) {
+        if front != NONE && same_depth(depth, self.plane[pixel as usize].depth) {
             let cell = &mut self.pool[front as usize];
             cell.weight += 1.0;
             cell.mean += (fresh.colour - cell.mean) / cell.weight;
             cell.refresh(fresh, depth);
-            self.depth[pixel as usize] = depth;
-            self.cover[pixel as usize] = cell.weight;
+            self.plane[pixel as usize].depth = depth;
+            self.plane[pixel as usize].cover = cell.weight;
             return front;
         }
         let index = self.pool.len() as u32;
@@ -376,13 +403,11 @@ impl Cells {
                 if self.pool[front as usize].depth < depth {
                     self.pool[front as usize].weight *= 0.5;
                 }
-                if !self.hide_behind(front) {
-                    self.pool[front as usize].weight = 0.0;
-                }
+                self.hide_front(front);
             }
-            self.front[pixel as usize] = index;
-            self.depth[pixel as usize] = depth;
-            self.cover[pixel as usize] = 1.0;
+            self.plane[pixel as usize].front = index;
+            self.plane[pixel as usize].depth = depth;
+            self.plane[pixel as usize].cover = 1.0;
         }
         index
     }
@@ -397,8 +422,8 @@ impl Cells {
             cell.mean += (fresh.colour - cell.mean) / cell.weight;
         }
         cell.refresh(fresh, depth);
-        if cell.pixel != NONE && self.front[cell.pixel as usize] == index {
-            self.cover[cell.pixel as usize] = cell.weight;
+        if cell.pixel != NONE && self.plane[cell.pixel as usize].front == index {
+            self.plane[cell.pixel as usize].cover = cell.weight;
         }
     }
 
@@ -408,13 +433,13 @@ impl Cells {
         cell.weight = 0.0;
         let pixel = cell.pixel as usize;
         if cell.pixel != NONE {
-            if self.front[pixel] == index {
-                self.front[pixel] = NONE;
-                self.depth[pixel] = f32::INFINITY;
-                self.cover[pixel] = 0.0;
+            if self.plane[pixel].front == index {
+                self.plane[pixel].front = NONE;
+                self.plane[pixel].depth = f32::INFINITY;
+                self.plane[pixel].cover = 0.0;
             }
-            if self.back[pixel] == index {
-                self.back[pixel] = NONE;
+            if self.plane[pixel].back == index {
+                self.plane[pixel].back = NONE;
             }
         }
     }

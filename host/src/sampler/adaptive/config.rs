@@ -5,6 +5,9 @@
 pub struct Config {
     /// Length of an epoch, seconds: how often the cells are warped.
     pub span: f64,
+    /// How far things may move on the screen before the cells are warped again, pixels; 0 warps
+    /// them in each epoch.
+    pub slack: f32,
     /// Length of a batch, seconds: how often what was seen changes what is looked at.
     pub batch: f64,
     /// Share of the shots that go everywhere alike, 0..=1.
@@ -67,6 +70,7 @@ impl Default for Config {
     fn default() -> Self {
         Self {
             span: 1.0 / 60.0,
+            slack: 1.0,
             batch: 0.002,
             uniform_share: 0.4,
             verify_share: 0.1,

@@ -30,11 +30,16 @@ use super::srgb::{displayed, squared_difference};
 use super::uniform::within;
 use super::{Aim, Effort, Eye, Plan, Sampler, Seen, Shot, Span, trace};
 use alarm::Alarm;
-use cells::{Cells, Fading, Fresh, NONE};
+use cells::{Cell, Cells, Fading, Fresh, NONE};
 pub use config::Config;
 use lifetime::Lifetimes;
 use projection::{Projection, SKY_DEPTH, same_depth};
 use tiles::{Grid, Tile};
+
+/// Epochs after which what is remembered is warped even where nothing moves, so that it fades.
+const RESTED: f64 = 4.0;
+/// Cells that are asked whether they would move.
+const PROBES: usize = 256;
 
 /// The adaptive sampler of an image of fixed size.
 #[derive(Clone, Debug)]
@@ -188,6 +193,41 @@ impl Adaptive {
         squares / (count * self.density(at).max(0.1))
     }
 
+    /// Whether the memory has to move to the view of an instant: whether more than one in twenty
+    /// of some cells in sight would move by more than [`Config::slack`] pixels, or nothing has faded for long.
+    fn is_due(&self, time: f64, eye: &dyn Eye) -> bool {
+        let rested = time - self.projection.time();
+        // Not a number before the first time.
+        if !(rested < RESTED * self.config.span) || self.config.slack <= 0.0 {
+            return true;
+        }
+        let mut next = Projection::new(time);
+        for &object in &self.objects {
+            next.prepare(object, eye);
+        }
+        let place = |projection: &Projection, cell: &Cell| {
+            let seen = projection.project(cell.object, cell.local);
+            seen.map(|(at, _)| at)
+        };
+        let stride = (self.cells.pool.len() / PROBES).max(1);
+        let (mut all, mut moved) = (0, 0);
+        for cell in self.cells.pool.iter().step_by(stride) {
+            if cell.pixel == NONE {
+                continue;
+            }
+            let steady = match (place(&self.projection, cell), place(&next, cell)) {
+                (Some(from), Some(to)) => {
+                    from.distance_squared(to) <= self.config.slack * self.config.slack
+                }
+                (None, None) => true,
+                _ => false,
+            };
+            all += 1;
+            moved += usize::from(!steady);
+        }
+        20 * moved > all
+    }
+
     /// Moves the memory to the view of an instant and sums it up.
     fn warp(&mut self, time: f64, eye: &dyn Eye) {
         let step = (time - self.projection.time()) as f32;
@@ -230,7 +270,7 @@ impl Adaptive {
         self.lifetimes.clear();
         let mut covered = 0;
         for (i, cell) in self.cells.pool.iter().enumerate() {
-            if cell.pixel == NONE || self.cells.front[cell.pixel as usize] != i as u32 {
+            if cell.pixel == NONE || self.cells.plane[cell.pixel as usize].front != i as u32 {
                 continue;
             }
             let index = self.grid.of(cell.pixel);
@@ -245,7 +285,7 @@ impl Adaptive {
             covered += 1;
         }
         self.stats.cells = self.cells.pool.len();
-        self.stats.coverage = covered as f32 / self.cells.front.len() as f32;
+        self.stats.coverage = covered as f32 / self.cells.plane.len() as f32;
     }
 
     /// Shares `count` shots out among the tiles: fills `scratch.visits`.
@@ -305,7 +345,7 @@ impl Adaptive {
                 born: 0.0,
             };
             let mut aim = Aim::Pixel(place);
-            let front = self.cells.front[pixel as usize];
+            let front = self.cells.plane[pixel as usize].front;
             if again && front != NONE {
                 let cell = &self.cells.pool[front as usize];
                 intent.cell = front;
@@ -316,7 +356,7 @@ impl Adaptive {
                     instead: place,
                 };
             } else {
-                self.cells.cover[pixel as usize] += 1.0;
+                self.cells.plane[pixel as usize].cover += 1.0;
             }
             self.scratch.plans.push(Plan {
                 time,
@@ -344,7 +384,7 @@ impl Adaptive {
             };
             let place = within(corner.as_vec2() + point * size.as_vec2(), self.grid.size);
             let pixel = place.y as u32 * self.grid.size.x + place.x as u32;
-            let cover = self.cells.cover[pixel as usize];
+            let cover = self.cells.plane[pixel as usize].cover;
             let badness = if again { -cover } else { cover };
             if badness < best.2 {
                 best = (place, pixel, badness);
@@ -391,7 +431,7 @@ impl Adaptive {
         }
         let tile = self.grid.of(pixel);
         let mean = self.tiles[tile].mean();
-        let front = self.cells.front[pixel as usize];
+        let front = self.cells.plane[pixel as usize].front;
         let shown = if front == NONE {
             mean
         } else {
@@ -481,7 +521,10 @@ impl Sampler for Adaptive {
     fn epoch(&mut self, span: Span, eye: &dyn Eye, out: &mut Vec<Shot>) {
         let clock = std::time::Instant::now;
         let begin = clock();
-        self.warp(0.5 * (span.t0 + span.t1), eye);
+        let middle = 0.5 * (span.t0 + span.t1);
+        if self.is_due(middle, eye) {
+            self.warp(middle, eye);
+        }
         self.stats.seconds[0] += begin.elapsed().as_secs_f64();
         let fade = (-span.length() as f32 / self.config.residual_memory).exp();
         self.rates.iter_mut().for_each(|rate| *rate *= fade);

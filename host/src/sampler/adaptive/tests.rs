@@ -249,7 +249,8 @@ fn planes_agree_with_the_pool() {
         for epoch in 0..40 {
             work(&mut sampler, &stage, f64::from(epoch) / 60.0, 1.0 / 60.0);
             let cells = &sampler.cells;
-            for (pixel, &front) in cells.front.iter().enumerate() {
+            for (pixel, spot) in cells.plane.iter().enumerate() {
+                let front = spot.front;
                 let Some(cell) = cells.pool.get(front as usize) else {
                     assert_eq!(front, NONE);
                     continue;
@@ -265,9 +266,9 @@ fn planes_agree_with_the_pool() {
         let before: f32 = sampler.tiles.iter().map(|t| t.samples).sum();
         let direct: f32 = sampler
             .cells
-            .front
+            .plane
             .iter()
-            .filter_map(|&f| sampler.cells.pool.get(f as usize))
+            .filter_map(|spot| sampler.cells.pool.get(spot.front as usize))
             .map(|cell| cell.weight)
             .sum();
         assert!(
