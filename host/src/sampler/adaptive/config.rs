@@ -72,7 +72,7 @@ impl Default for Config {
             span: 1.0 / 60.0,
             slack: 1.0,
             batch: 0.002,
-            uniform_share: 0.4,
+            uniform_share: 0.2,
             verify_share: 0.1,
             full: 0.7,
             residuals: true,
