@@ -114,7 +114,6 @@ fn turn(config: &mut Config, key: &str, number: f32) {
         "residual_floor" => config.residual_floor = number,
         "lifetime_max" => config.lifetime_max = number,
         "lifetime_min" => config.lifetime_min = number,
-        "lifetime_power" => config.lifetime_power = number,
         "balanced" => config.balanced = on,
         "tolerance" => config.tolerance = number,
         "code_tolerance" => config.code_tolerance = number as u32,

@@ -48,11 +48,6 @@ pub struct Config {
     pub lifetime_max: f32,
     /// The shortest lifetime, seconds.
     pub lifetime_min: f32,
-    /// How much less a tile is due where samples do not live long: its share goes with the
-    /// lifetime to this power. With a constant rate r a tile holds n = r·τ samples, and the sum of
-    /// s²/n under a budget of r is least where n ∝ s·√τ: 1/2 in a steady state. Measured, 1/4 is
-    /// better than either by 2 to 3 % (product over the built-in scenes, one seed).
-    pub lifetime_power: f32,
     /// Whether a lifetime balances staleness against noise: the error of a tile whose samples
     /// count for τ is about g²τ² + s²/(r·τ), least at τ³ = s²/(2·g²·r). Else samples live until
     /// they are `tolerance` off.
@@ -83,14 +78,13 @@ impl Default for Config {
             guard: 32.0,
             cuts: true,
             residual_memory: 0.15,
-            gradient_memory: 0.1,
+            gradient_memory: 0.05,
             residual_prior: 40.0,
             prior_weight: 0.5,
             prior_hole: 0.0,
             residual_floor: 4.0,
             lifetime_max: 1.0,
             lifetime_min: 0.012,
-            lifetime_power: 0.25,
             balanced: true,
             tolerance: 10.0,
             code_tolerance: 2,

@@ -59,9 +59,8 @@ pub struct Adaptive {
     random: Random,
     /// A low-discrepancy sequence in each tile.
     points: Vec<R2>,
-    /// The lifetime tile of each tile, and how much a sample in it is worth.
+    /// The lifetime tile of each tile.
     lifetime_tiles: Vec<u32>,
-    worth: Vec<f32>,
     /// s²/r of each lifetime tile: squared levels × pixels × seconds a sample.
     noise: Vec<f32>,
     /// Smoothed shots of each tile in a second.
@@ -143,7 +142,6 @@ impl Adaptive {
                 .collect(),
             rates: vec![0.0; grid.len()],
             lifetime_tiles,
-            worth: Vec::new(),
             noise: Vec::new(),
             scratch: Scratch::default(),
             stats: Stats::default(),
@@ -259,9 +257,6 @@ impl Adaptive {
             }
         }
         self.lifetimes.solve(&self.noise);
-        let worth = |tau: &f32| (tau / c.lifetime_max).powf(c.lifetime_power);
-        self.worth.clear();
-        self.worth.extend(self.lifetimes.tau.iter().map(worth));
     }
 
     /// Sums the front cells up in their tiles.
@@ -301,8 +296,7 @@ impl Adaptive {
             } else {
                 1.0
             };
-            let worth = self.worth[self.lifetime_tiles[i] as usize];
-            s.errors.push(error * area * worth);
+            s.errors.push(error * area);
             s.filled
                 .push(if c.water_filling { tile.samples } else { 0.0 });
         }
