@@ -1,8 +1,12 @@
 //! Notices that everything has become wrong at once: a cut, or an eye that passed a surface.
 
+use std::ops::RangeInclusive;
+
 /// Looks at the last few hundred verifications.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Alarm {
+    /// Verifications that are remembered.
+    memory: f32,
     /// Weights of the failed and of all verifications, the old ones discounted.
     failed: f32,
     all: f32,
@@ -10,19 +14,36 @@ pub(super) struct Alarm {
     since: Option<f64>,
 }
 
-/// Verifications that are remembered: the weights are uneven, so that a hundred are too few to
-/// tell a fast turn from a cut. At 400k samples a second these are 10 ms.
-const MEMORY: f32 = 400.0;
+/// Verifications that are remembered: those of a hundredth of a second, but enough to judge by.
+/// Their weights are uneven, so that a hundred are few to tell a fast turn from a cut.
+const SECONDS: f64 = 0.01;
+const MEMORY: RangeInclusive<f32> = 96.0..=400.0;
 /// Share of failures that means a cut.
 const SHARE: f32 = 0.5;
 
+impl Default for Alarm {
+    fn default() -> Self {
+        Self {
+            memory: *MEMORY.start(),
+            failed: 0.0,
+            all: 0.0,
+            since: None,
+        }
+    }
+}
+
 impl Alarm {
+    /// Sets how many verifications there are in a second.
+    pub(super) fn set_rate(&mut self, verifications: f64) {
+        self.memory = ((verifications * SECONDS) as f32).clamp(*MEMORY.start(), *MEMORY.end());
+    }
+
     /// Takes a verification in. Its `weight` makes up for the bias of the sampler towards places
     /// in trouble: 1 over how much likelier than a uniform choice it was, so that the weights are
     /// 1 on average and the share of failures is that of the image's area. When the alarm is
     /// raised: the instant at which the failures began.
     pub(super) fn verified(&mut self, time: f64, weight: f32, failed: bool) -> Option<f64> {
-        let keep = 1.0 - 1.0 / MEMORY;
+        let keep = 1.0 - 1.0 / self.memory;
         self.failed = self.failed * keep + if failed { weight } else { 0.0 };
         self.all = self.all * keep + weight;
         if self.failed < 0.3 * self.all {
@@ -30,9 +51,12 @@ impl Alarm {
         } else if self.since.is_none() {
             self.since = Some(time);
         }
-        if self.all > 0.4 * MEMORY && self.failed > SHARE * self.all {
+        if self.all > 0.4 * self.memory && self.failed > SHARE * self.all {
             let since = self.since;
-            *self = Self::default();
+            *self = Self {
+                memory: self.memory,
+                ..Self::default()
+            };
             return since;
         }
         None
@@ -70,14 +94,14 @@ mod tests {
             assert_eq!(alarm.verified(f64::from(i), 1.0, failed), None);
         }
         let mut raised = None;
-        for i in 0..800 {
+        for i in 0..200 {
             let failed = random.unit() < 0.9;
             raised = raised.or(alarm
                 .verified(f64::from(100_000 + i), 1.0, failed)
                 .map(|t| (i, t)));
         }
         let (after, since) = raised.expect("a cut is noticed");
-        assert!(after < 500, "after {after} verifications");
+        assert!(after < 120, "after {after} verifications");
         assert!(since >= 99_000.0);
     }
 }

@@ -196,7 +196,8 @@ impl Adaptive {
     fn is_due(&self, time: f64, eye: &dyn Eye) -> bool {
         let rested = time - self.projection.time();
         // Not a number before the first time.
-        if !(rested < RESTED * self.config.span) || self.config.slack <= 0.0 {
+        let known = rested < RESTED * self.config.span;
+        if !known || self.config.slack <= 0.0 {
             return true;
         }
         let mut next = Projection::new(time);
@@ -515,6 +516,8 @@ impl Sampler for Adaptive {
     fn epoch(&mut self, span: Span, eye: &dyn Eye, out: &mut Vec<Shot>) {
         let clock = std::time::Instant::now;
         let begin = clock();
+        let looks = span.shots as f64 * f64::from(self.config.verify_share);
+        self.alarm.set_rate(looks / span.length());
         let middle = 0.5 * (span.t0 + span.t1);
         if self.is_due(middle, eye) {
             self.warp(middle, eye);
