@@ -5,7 +5,7 @@ use core::fmt;
 use crate::bytes::Cursor;
 use crate::frame::{self, Deframer, Step};
 use crate::packet::{Kind, Packet};
-use crate::repr::Hello;
+use crate::repr::{Hello, Status, Tick};
 
 /// Backward steps of the sequence number up to this are late or repeated packets; longer ones
 /// mean that the sender started anew.
@@ -69,6 +69,22 @@ pub struct Counters {
     pub early: u64,
     /// Good packets of a type that this version does not know, and were ignored.
     pub unknown: u64,
+}
+
+impl Counters {
+    /// The report to the host of a display that shows the refresh of `refresh_time` and holds
+    /// `buffered` samples; counts saturate.
+    #[must_use]
+    pub fn status(&self, refresh_time: Tick, buffered: usize) -> Status {
+        let narrow = |v: u64| u32::try_from(v).unwrap_or(u32::MAX);
+        Status {
+            refresh_time,
+            received: narrow(self.received),
+            lost: narrow(self.lost),
+            damaged: narrow(self.damaged),
+            buffered: narrow(buffered as u64),
+        }
+    }
 }
 
 /// Finds the packets in a stream of bytes. Holds one packet; any byte sequence is legal input.
@@ -263,5 +279,28 @@ impl Receiver {
         }
         self.expected = Some(sequence.wrapping_add(1));
         true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_of_a_report_saturate() {
+        let counters = Counters {
+            received: 7,
+            lost: u64::from(u32::MAX) + 1,
+            damaged: 3,
+            ..Counters::default()
+        };
+        let expected = Status {
+            refresh_time: Tick(5),
+            received: 7,
+            lost: u32::MAX,
+            damaged: 3,
+            buffered: 9,
+        };
+        assert_eq!(counters.status(Tick(5), 9), expected);
     }
 }

@@ -144,14 +144,7 @@ impl<'g> GpuPlayer<'g> {
     /// The report to the host; counts saturate.
     #[must_use]
     pub fn status(&self) -> Status {
-        let counters = self.receiver.counters();
-        let narrow = |v: u64| u32::try_from(v).unwrap_or(u32::MAX);
-        Status {
-            refresh_time: self.newest,
-            received: narrow(counters.received),
-            lost: narrow(counters.lost),
-            damaged: narrow(counters.damaged),
-            buffered: narrow(self.display.buffered() as u64),
-        }
+        let buffered = self.display.buffered();
+        self.receiver.counters().status(self.newest, buffered)
     }
 }
