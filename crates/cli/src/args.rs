@@ -31,6 +31,8 @@ pub enum Command {
     Scenes(ScenesArgs),
     /// Every method against the ideal renderer, every refresh counted.
     Eval(EvalArgs),
+    /// What accuracy costs: error against time, bytes and RAM, knob by knob.
+    Cost(CostArgs),
 }
 
 /// The scene and how it is sampled.
@@ -238,6 +240,46 @@ pub struct EvalArgs {
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
     /// Measure all cells again, even finished ones.
+    #[arg(long)]
+    pub fresh: bool,
+}
+
+/// `unframed cost`
+#[derive(Debug, Clone, Args)]
+pub struct CostArgs {
+    /// A .glb or .gltf file, or a built-in scene.
+    #[arg(default_value = "interactive")]
+    pub scene: String,
+    /// Panel size in pixels, WIDTHxHEIGHT. Rates and memories are set by the pixel.
+    #[arg(long, default_value = "128x128", value_parser = parse_size)]
+    pub size: Size,
+    /// Simulated time that counts, seconds; before it half a second to fill the display.
+    #[arg(long, default_value_t = 1.0, value_parser = parse_seconds)]
+    pub seconds: f64,
+    /// Seed of everything random.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Measure this preset alone; several, separated by commas.
+    #[arg(long, value_delimiter = ',')]
+    pub preset: Vec<String>,
+    /// Measure the presets alone, not all sweeps.
+    #[arg(long)]
+    pub presets_only: bool,
+    /// Find the best preset for a machine, such as "cortex-m7@480MHz link=20Mbit/s ram=1MiB
+    /// 128x128@60Hz"; `this` instead of a core and its clock is this machine. Can be repeated.
+    #[arg(long)]
+    pub budget: Vec<String>,
+    /// Points that are measured at once; all cores without this.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+    /// Numbers and plots go into this directory, and finished points, so that the same command
+    /// goes on where it was stopped.
+    #[arg(long, default_value = "unframed-cost")]
+    pub out: PathBuf,
+    /// Write the numbers to this file too.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Measure all points again, even finished ones.
     #[arg(long)]
     pub fresh: bool,
 }

@@ -3,16 +3,20 @@
 //!
 //! - [`args`]: what a user types; [`method`]: samplers, streams and reconstructions by name;
 //! - [`panel`]: the display hardware to show on; [`measure`]: a run against the ideal;
+//! - [`replica`]: a display's picture made again, otherwise;
 //! - [`eval`]: all methods against the ideal, cell by cell;
+//! - [`cost`]: what accuracy costs, knob by knob;
 //! - [`commands`]: one module a command; [`pages`], [`report`]: what they write;
 //! - [`work`]: the time that it took.
 
 pub mod args;
 pub mod commands;
+pub mod cost;
 pub mod eval;
 pub mod measure;
 pub mod method;
 pub mod pages;
 pub mod panel;
+pub mod replica;
 pub mod report;
 pub mod work;

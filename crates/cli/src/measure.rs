@@ -14,7 +14,7 @@ use unframed_recon::frame_hash;
 use unframed_wire::ledger::Ledger;
 use unframed_wire::{Counters, TileNode};
 
-use crate::args::{DisplayArgs, Source};
+use crate::args::{DisplayArgs, Size, Source};
 use crate::method::Method;
 use crate::panel::{Order, with_panel};
 use crate::report::{Picture, Rect};
@@ -100,12 +100,24 @@ pub struct Outcome {
 /// # Errors
 /// There is no such scene, or it cannot be rendered.
 pub fn open_world(source: &Source) -> Result<World> {
-    let opened = unframed_host::scene::open::open(&source.scene, source.clip.as_deref())?;
+    open_clip(&source.scene, source.clip.as_deref(), source.size)
+}
+
+/// The same of a scene with all its clips.
+///
+/// # Errors
+/// There is no such scene, or it cannot be rendered.
+pub fn open_scene(scene: &str, size: Size) -> Result<World> {
+    open_clip(scene, None, size)
+}
+
+fn open_clip(scene: &str, clip: Option<&str>, size: Size) -> Result<World> {
+    let opened = unframed_host::scene::open::open(scene, clip)?;
     for warning in &opened.warnings {
-        eprintln!("{}: {warning}", source.scene);
+        eprintln!("{scene}: {warning}");
     }
-    let size = [source.size.width, source.size.height].map(u32::from);
-    World::new(opened.scene, size).with_context(|| format!("cannot render {}", source.scene))
+    let size = [size.width, size.height].map(u32::from);
+    World::new(opened.scene, size).with_context(|| format!("cannot render {scene}"))
 }
 
 /// The host of a method.

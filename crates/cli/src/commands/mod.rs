@@ -1,5 +1,6 @@
 //! The commands, one module each.
 
+pub mod cost;
 pub mod eval;
 pub mod inspect;
 pub mod live;

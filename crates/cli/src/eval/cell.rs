@@ -11,14 +11,15 @@ use unframed_host::trace::World;
 use unframed_metrics::{
     ErrorShares, Image, PixelClass, Sequence, SequenceOptions, SquaredError, Totals,
 };
+use unframed_recon::Fixed;
 
 use super::ideals::{Reference, instant};
 use super::methods::{EvalMethod, Setting, Way};
-use super::oracle::Oracle;
 use super::store::{Key, slug, write_whole};
 use crate::args::{DisplayKind, Size};
 use crate::measure::REFRESH_HZ;
 use crate::panel::{Order, with_panel};
+use crate::replica::Replica;
 use crate::report::Picture;
 use crate::work::Stopwatch;
 
@@ -374,7 +375,8 @@ impl<'a> Run<'a> {
         };
         let mut host = Host::new(world.clone(), sampler, promise);
         let reprojects = display.reproject && layout == unframed_wire::Layout::World;
-        let mut oracle = (job.settings.causes && reprojects).then(|| Oracle::new(order));
+        let mut replica = (job.settings.causes && reprojects)
+            .then(|| Replica::new(order.width, order.height, order.samples as usize));
         with_panel(&order, |panel, _| {
             let mut bytes = Vec::new();
             for index in 0..self.job.settings.refreshes {
@@ -390,10 +392,11 @@ impl<'a> Run<'a> {
                 while panel.push(&mut input)?.is_some() {}
                 self.seconds_display += clock.seconds();
                 self.score(index, panel.picture())?;
-                if let Some(oracle) = &mut oracle {
-                    oracle.receive(&bytes);
+                if let Some(replica) = &mut replica {
+                    replica.receive(&bytes);
                     if self.kept.contains(&index) {
-                        let fresh = oracle.picture(world, step.time)?;
+                        let colours = replica.fresh_colours(world, step.time)?;
+                        let fresh = replica.picture::<Fixed>(display, &colours)?;
                         self.compare_with_fresh(index, panel.picture(), &fresh)?;
                     }
                 }

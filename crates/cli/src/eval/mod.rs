@@ -8,13 +8,12 @@
 //! [`plan`] says which cells there are ([`parts`] of `adaptive` left out, [`probes`] that ask one
 //! question), [`checks`] what of the promises holds. [`schedule`] runs the cells on all cores;
 //! each cell has one, so that its seconds mean something and its result cannot depend on the
-//! others. [`oracle`] says how much of an error is age.
+//! others. [`crate::replica`] says how much of an error is age.
 
 pub mod cell;
 pub mod checks;
 pub mod ideals;
 pub mod methods;
-pub mod oracle;
 pub mod page;
 pub mod parts;
 pub mod plan;

@@ -1,0 +1,345 @@
+//! The knobs that trade error for cost, and the points at which they are measured.
+
+use serde::Serialize;
+use unframed_recon::Config;
+use unframed_recon::config::{Extents, Fit, Lifetime, Light, TimeKernel};
+
+use crate::method::Method;
+
+/// In which numbers a display computes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Format {
+    /// Integers: what is deployed.
+    Fixed,
+    /// 32-bit floats.
+    F32,
+    /// 64-bit floats: the oracle.
+    F64,
+}
+
+/// One setting of everything.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Knobs {
+    /// Which sampler, stream and display.
+    pub method: Method,
+    /// Samples a pixel and second: the rate of the stream over the pixels of the panel.
+    pub density: f64,
+    /// How many seconds of the stream the display remembers: N over the rate.
+    pub memory: f64,
+    /// In which numbers the display computes.
+    pub format: Format,
+    /// What the display does.
+    pub display: Config,
+}
+
+impl Knobs {
+    /// A method as it comes, at `density` samples a pixel and second.
+    #[must_use]
+    pub fn new(method: Method, density: f64) -> Self {
+        Self {
+            method,
+            density,
+            memory: 1.0,
+            format: Format::Fixed,
+            display: method.display(),
+        }
+    }
+
+    /// Samples a second for a panel of this many pixels.
+    #[must_use]
+    pub fn rate(&self, pixels: u32) -> u32 {
+        (self.density * f64::from(pixels)).round().max(1.0) as u32
+    }
+
+    /// Samples remembered by a panel of this many pixels.
+    #[must_use]
+    pub fn samples(&self, pixels: u32) -> u32 {
+        (self.memory * self.density * f64::from(pixels))
+            .round()
+            .max(1.0) as u32
+    }
+
+    /// For people and for JSON.
+    #[must_use]
+    pub fn described(&self, pixels: u32) -> Described {
+        let display = &self.display;
+        let seconds = |log: i16| format!("{:.2} s", (f64::from(log) / 256.0).exp2());
+        Described {
+            method: self.method.name(),
+            rate: self.rate(pixels),
+            samples: self.samples(pixels),
+            format: self.format,
+            fit: match display.fit {
+                Fit::Constant => "mean",
+                Fit::Linear => "plane",
+            },
+            hidden: display.hidden,
+            extents: match display.extents {
+                Extents::Constant(log) => format!("{:.2} px", (f64::from(log) / 256.0).exp2()),
+                Extents::Density => "density".to_owned(),
+                Extents::Gradient => "gradient".to_owned(),
+            },
+            lifetime: match display.lifetime {
+                Lifetime::Constant(log) => seconds(log),
+                Lifetime::Tiles => "tiles".to_owned(),
+                Lifetime::Gradient => "gradient".to_owned(),
+            },
+            kernel: match display.kernel {
+                TimeKernel::Rational => "rational",
+                TimeKernel::Gaussian => "gaussian",
+                TimeKernel::Exponential => "exponential",
+            },
+            fill: display.fill,
+            light: match display.light {
+                Light::Linear => "linear",
+                Light::Encoded => "encoded",
+            },
+        }
+    }
+}
+
+/// Knobs with names, as reports have them.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Described {
+    /// The method's name.
+    pub method: &'static str,
+    /// Samples a second.
+    pub rate: u32,
+    /// Samples remembered (N).
+    pub samples: u32,
+    /// Numbers.
+    pub format: Format,
+    /// What is fitted.
+    pub fit: &'static str,
+    /// Whether the hidden-point test is on.
+    pub hidden: bool,
+    /// What shapes the filter in space.
+    pub extents: String,
+    /// What gives a sample's lifetime.
+    pub lifetime: String,
+    /// How weight declines with age.
+    pub kernel: &'static str,
+    /// Whether holes are filled.
+    pub fill: bool,
+    /// What is filtered.
+    pub light: &'static str,
+}
+
+impl Described {
+    /// In one line: what differs from the default of the method.
+    #[must_use]
+    pub fn line(&self) -> String {
+        let hidden = if self.hidden { "" } else { ", no hidden test" };
+        let fill = if self.fill { "" } else { ", no fill" };
+        format!(
+            "{} {}/s, N {}, {:?}, {}{hidden}, σ {}, τ {}, {}{fill}, {} light",
+            self.method,
+            super::short(self.rate),
+            super::short(self.samples),
+            self.format,
+            self.fit,
+            self.extents,
+            self.lifetime,
+            self.kernel,
+            self.light
+        )
+    }
+}
+
+/// A setting worth a name. Measured, none of them is beaten by another point in everything.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Preset {
+    /// Its name.
+    pub name: &'static str,
+    /// Samples a pixel and second.
+    density: f64,
+    /// Seconds of the stream that are remembered.
+    memory: f64,
+    fit: Fit,
+    hidden: bool,
+}
+
+/// From the cheapest to the best.
+pub const PRESETS: [Preset; 5] = [
+    preset("least", 1.5, 0.25, Fit::Constant, false),
+    preset("small", 3.0, 0.5, Fit::Constant, true),
+    preset("medium", 6.0, 0.5, Fit::Linear, true),
+    preset("full", 12.0, 0.5, Fit::Linear, true),
+    preset("best", 24.0, 0.5, Fit::Linear, true),
+];
+
+const fn preset(name: &'static str, density: f64, memory: f64, fit: Fit, hidden: bool) -> Preset {
+    Preset {
+        name,
+        density,
+        memory,
+        fit,
+        hidden,
+    }
+}
+
+impl Preset {
+    /// What it sets.
+    #[must_use]
+    pub fn knobs(&self) -> Knobs {
+        let knobs = Knobs::new(Method::Adaptive, self.density);
+        Knobs {
+            memory: self.memory,
+            display: Config {
+                fit: self.fit,
+                hidden: self.hidden,
+                ..knobs.display
+            },
+            ..knobs
+        }
+    }
+
+    /// The preset that sets just this.
+    #[must_use]
+    pub fn of(knobs: &Knobs) -> Option<&'static str> {
+        let same = PRESETS.iter().find(|preset| preset.knobs() == *knobs);
+        same.map(|preset| preset.name)
+    }
+}
+
+/// Densities of the sweeps, samples a pixel and second: 6.1 are 400k a second on 256 × 256.
+pub const DENSITIES: [f64; 5] = [1.5, 3.0, 6.0, 12.0, 24.0];
+/// The density at which single knobs are turned.
+pub const MIDDLE: f64 = 6.0;
+/// Seconds of the stream that a display remembers.
+const MEMORIES: [f64; 3] = [0.25, 0.5, 1.0];
+
+/// A point and the sweep that it belongs to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Planned {
+    /// The knob that is turned.
+    pub sweep: &'static str,
+    /// The setting.
+    pub knobs: Knobs,
+}
+
+/// All points of all sweeps; a setting that belongs to several stands in each.
+#[must_use]
+pub fn sweeps() -> Vec<Planned> {
+    let middle = Knobs::new(Method::Adaptive, MIDDLE);
+    let with = |change: &dyn Fn(&mut Config)| {
+        let mut knobs = middle;
+        change(&mut knobs.display);
+        knobs
+    };
+    let mut points = Vec::new();
+    let mut add = |sweep, knobs: &[Knobs]| {
+        points.extend(knobs.iter().map(|knobs| Planned {
+            sweep,
+            knobs: *knobs,
+        }));
+    };
+    for method in [
+        Method::Adaptive,
+        Method::UniformSameDisplay,
+        Method::Uniform,
+    ] {
+        add(
+            "method and rate",
+            &DENSITIES.map(|density| Knobs::new(method, density)),
+        );
+    }
+    let format = |format| Knobs { format, ..middle };
+    add(
+        "number format",
+        &[Format::Fixed, Format::F32, Format::F64].map(format),
+    );
+    let memory = |memory| Knobs { memory, ..middle };
+    add(
+        "samples remembered",
+        &[0.0625, 0.125, 0.25, 0.5, 1.0, 2.0].map(memory),
+    );
+    let fit = |fit| with(&|c| c.fit = fit);
+    add("fit", &[Fit::Constant, Fit::Linear].map(fit));
+    add(
+        "hidden-point test",
+        &[false, true].map(|on| with(&|c| c.hidden = on)),
+    );
+    add("filling", &[false, true].map(|on| with(&|c| c.fill = on)));
+    // 0.35, 0.45, 0.6, 0.85 px and as density has it.
+    let widths = [-388, -295, -189, -60].map(|log| with(&|c| c.extents = Extents::Constant(log)));
+    add("filter width", &widths);
+    add("filter width", &[middle]);
+    let kernels = [
+        TimeKernel::Rational,
+        TimeKernel::Gaussian,
+        TimeKernel::Exponential,
+    ];
+    add(
+        "decline with age",
+        &kernels.map(|kernel| with(&|c| c.kernel = kernel)),
+    );
+    // 0.1, 0.2, 0.4 and 0.8 s for all, and a lifetime a tile.
+    let lives = [-850, -594, -338, -82].map(|log| with(&|c| c.lifetime = Lifetime::Constant(log)));
+    add("lifetime", &lives);
+    add("lifetime", &[middle]);
+    add(
+        "light",
+        &[Light::Linear, Light::Encoded].map(|light| with(&|c| c.light = light)),
+    );
+    for density in DENSITIES {
+        for memory in MEMORIES {
+            for fit in [Fit::Constant, Fit::Linear] {
+                for hidden in [false, true] {
+                    let mut knobs = Knobs::new(Method::Adaptive, density);
+                    knobs.memory = memory;
+                    knobs.display = Config {
+                        fit,
+                        hidden,
+                        ..knobs.display
+                    };
+                    add("all together", &[knobs]);
+                }
+            }
+        }
+    }
+    points
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_preset_is_measured_and_has_its_name() {
+        let points = sweeps();
+        for preset in PRESETS {
+            assert!(
+                points.iter().any(|p| p.knobs == preset.knobs()),
+                "{}",
+                preset.name
+            );
+            assert_eq!(Preset::of(&preset.knobs()), Some(preset.name));
+        }
+    }
+
+    #[test]
+    fn a_sweep_turns_one_knob() {
+        for sweep in [
+            "number format",
+            "fit",
+            "filling",
+            "light",
+            "filter width",
+            "lifetime",
+        ] {
+            let points: Vec<_> = sweeps().into_iter().filter(|p| p.sweep == sweep).collect();
+            assert!(points.len() >= 2, "{sweep}");
+            let rest = |p: &Planned| (p.knobs.method, p.knobs.density, p.knobs.memory);
+            assert!(
+                points.windows(2).all(|w| rest(&w[0]) == rest(&w[1])),
+                "{sweep}"
+            );
+            assert!(
+                points.windows(2).all(|w| w[0].knobs != w[1].knobs),
+                "{sweep}"
+            );
+        }
+    }
+}

@@ -1,0 +1,20 @@
+//! What accuracy costs: every knob that trades error for time, bytes or RAM, turned and measured.
+//!
+//! [`knobs`] (what is turned, presets) → [`stream`] (one recording for all displays of a rate) →
+//! [`point`] (error, split by cause; seconds, bytes, [`ram`]) → [`front`] (what is beaten by
+//! nothing) → [`table`] (JSON, CSV, what a decibel costs) → [`page`]. [`budget`] finds the best
+//! preset for a machine; [`cores`] is what small cores need for it. [`study`] does all in order,
+//! on all cores, and nothing twice.
+
+pub mod budget;
+pub mod cores;
+pub mod front;
+pub mod knobs;
+pub mod page;
+pub mod point;
+pub mod ram;
+pub mod stream;
+pub mod study;
+pub mod table;
+
+pub use crate::eval::page::short;

@@ -1,0 +1,395 @@
+//! The page: what a decibel costs, fronts, where the error comes from, each knob, budgets.
+
+use std::path::Path;
+
+use anyhow::Result;
+
+use super::budget::Answer;
+use super::knobs::{Knobs, MIDDLE};
+use super::short;
+use super::table::{COSTS, CostOf, Point, distinct, factor_per_decibel, presets, slope};
+use crate::method::Method;
+use crate::report::{Axis, BarChart, Plot, Report, Scale, Section, Table, write_file};
+
+/// Writes `report.html` and the fronts as SVG files under `dir`.
+///
+/// # Errors
+/// A plot cannot be drawn or a file not be written.
+pub fn write(
+    points: &[Point],
+    answers: &[Answer],
+    facts: &[(&str, String)],
+    pixels: u32,
+    dir: &Path,
+) -> Result<()> {
+    let mut report = Report::new(
+        "unframed: what accuracy costs",
+        "Every knob that trades error for time, bytes or memory, turned and measured. Error is \
+         against a supersampled picture of the same instant; 6 dB less is half the RMSE.",
+    );
+    for (name, cost) in COSTS {
+        if let Some(factor) = factor_per_decibel(points, cost) {
+            report.fact(format!("1 dB more: {name}"), format!("× {factor:.2}"));
+        }
+    }
+    for (name, value) in facts {
+        report.fact(*name, value);
+    }
+    report.section(decibels(points));
+    if points.iter().any(|p| p.sweep != "presets") {
+        report.section(fronts(points, dir)?);
+    }
+    report.section(causes(points)?);
+    for section in knobs(points, pixels)? {
+        report.section(section);
+    }
+    if let Some(section) = scaling(points, dir)? {
+        report.section(section);
+    }
+    if !answers.is_empty() {
+        report.section(budgets(answers));
+    }
+    report.footer(
+        "Seconds are of one core's work (thread time) for a second of animation at 60 Hz; the \
+         display's is the median refresh times 60. Error parts are differences of mean squared \
+         errors along a chain of pictures of the same stream: as shown; in f64; each sample \
+         traced again at the instant; each sample the mean of its pixel. They add up by \
+         construction; holes count as filtering. RAM: all slices that the display asks for, its \
+         receiver included, without stack and code.",
+    );
+    report.write(&dir.join("report.html"))?;
+    Ok(())
+}
+
+/// What going from preset to preset costs.
+fn decibels(points: &[Point]) -> Section {
+    let mut section = Section::new("What does one decibel more cost?");
+    let presets = presets(points);
+    let heads = [
+        "preset",
+        "RMSE",
+        "PSNR, dB",
+        "samples/s",
+        "N",
+        "fit",
+        "hidden test",
+        "display, s",
+        "host, s",
+        "kB/s",
+        "RAM, kB",
+        "on front",
+    ];
+    let mut table = Table::new(heads);
+    for p in &presets {
+        table.row([
+            p.preset.unwrap_or("").to_owned(),
+            format!("{:.2}", p.rmse),
+            format!("{:.2}", p.psnr),
+            short(p.knobs.rate),
+            short(p.knobs.samples),
+            p.knobs.fit.to_owned(),
+            if p.knobs.hidden { "on" } else { "off" }.to_owned(),
+            format!("{:.3}", p.display_seconds),
+            format!("{:.3}", p.host_seconds),
+            format!("{:.0}", p.bytes_per_second / 1e3),
+            format!("{:.0}", p.ram_bytes as f64 / 1e3),
+            if p.dominated_by > 0.03 {
+                format!("✗ beaten by {:.0} %", 100.0 * p.dominated_by)
+            } else {
+                "✓".to_owned()
+            },
+        ]);
+    }
+    section.table(&table);
+    let heads = ["from", "to", "gained, dB"].map(str::to_owned);
+    let costs = COSTS.iter().map(|(name, _)| format!("{name}, per dB"));
+    let mut table = Table::new(heads.into_iter().chain(costs)).caption(
+        "From preset to preset: by what factor each cost grows, and in brackets per decibel \
+         gained.",
+    );
+    for pair in presets.windows(2) {
+        let gained = pair[1].psnr - pair[0].psnr;
+        let mut cells = vec![
+            pair[0].preset.unwrap_or("").to_owned(),
+            pair[1].preset.unwrap_or("").to_owned(),
+            format!("{gained:+.2}"),
+        ];
+        for (_, cost) in COSTS {
+            let factor = cost(pair[1]) / cost(pair[0]);
+            cells.push(format!("× {factor:.2} ({:.2})", factor.powf(1.0 / gained)));
+        }
+        table.row(cells);
+    }
+    if presets.len() > 1 {
+        section.table(&table);
+    }
+    section
+}
+
+/// Error against each cost.
+fn fronts(points: &[Point], dir: &Path) -> Result<Section> {
+    let mut section = Section::new("Fronts");
+    let units: [(&str, &str, CostOf); 4] = [
+        (
+            "display time",
+            "core seconds of the display a second (log)",
+            |p| p.display_seconds,
+        ),
+        (
+            "host time",
+            "core seconds of the host a second (log)",
+            |p| p.host_seconds,
+        ),
+        ("bytes", "stream, kB a second (log)", |p| {
+            p.bytes_per_second / 1e3
+        }),
+        ("RAM", "RAM of the display, kB (log)", |p| {
+            p.ram_bytes as f64 / 1e3
+        }),
+    ];
+    for (name, label, cost) in units {
+        let place = |p: &&Point| (cost(p), p.rmse);
+        let fixed: Vec<&Point> = distinct(points)
+            .into_iter()
+            .filter(|p| p.knobs.format == super::knobs::Format::Fixed)
+            .collect();
+        let of = |method: Method| -> Vec<(f64, f64)> {
+            let same = fixed.iter().filter(|p| p.settings().method == method);
+            same.map(place).collect()
+        };
+        let y = Axis::new("RMSE (log)", Scale::Log);
+        let mut plot = Plot::new(
+            format!("Error against {name}"),
+            Axis::new(label, Scale::Log),
+            y,
+        )
+        .front("front", fixed.iter().map(place).collect())
+        .points("adaptive", of(Method::Adaptive))
+        .points("uniform, same display", of(Method::UniformSameDisplay))
+        .points("uniform", of(Method::Uniform));
+        plot = plot.points("presets", presets(points).iter().map(place).collect());
+        section.plot(&plot, "Lower left is better; the line is the front.")?;
+        let file = format!("front-{}.svg", name.replace(' ', "-").to_lowercase());
+        write_file(&dir.join(file), plot.svg()?.as_bytes())?;
+    }
+    Ok(section)
+}
+
+fn parts_chart(title: &str) -> BarChart {
+    let parts = ["sampling", "filtering", "delay", "arithmetic"].map(str::to_owned);
+    BarChart::stacked(title, "mean squared error, levels squared", parts.to_vec())
+}
+
+fn parts_bar(chart: BarChart, name: String, point: &Point) -> BarChart {
+    let e = &point.error;
+    let parts = [e.sampling, e.filtering, e.delay, e.arithmetic];
+    chart.parts_bar(name, parts.map(|part| part.max(0.0)).to_vec())
+}
+
+/// Where the error comes from.
+fn causes(points: &[Point]) -> Result<Section> {
+    let mut section = Section::new("Where the error comes from");
+    let mut chart = parts_chart("Error by cause");
+    for p in presets(points) {
+        chart = parts_bar(chart, p.preset.unwrap_or("").to_owned(), p);
+    }
+    for p in points.iter().filter(|p| p.sweep == "method and rate") {
+        chart = parts_bar(
+            chart,
+            format!("{} {}", p.knobs.method, short(p.knobs.rate)),
+            p,
+        );
+    }
+    section.bars(
+        &chart,
+        "Sampling: noise of single rays. Filtering: blur, holes. Delay: samples that are not of \
+         the instant. Arithmetic: integers against f64. Parts below zero are drawn as nothing; \
+         the numbers are in points.csv.",
+    )?;
+    Ok(section)
+}
+
+/// What a point is called within its sweep.
+fn label(sweep: &str, p: &Point) -> String {
+    let on = |on: bool| if on { "on" } else { "off" }.to_owned();
+    match sweep {
+        "number format" => format!("{:?}", p.knobs.format).to_lowercase(),
+        "samples remembered" => {
+            format!("{} ({:.2} s)", short(p.knobs.samples), p.settings().memory)
+        }
+        "fit" => p.knobs.fit.to_owned(),
+        "hidden-point test" => on(p.knobs.hidden),
+        "filling" => on(p.knobs.fill),
+        "filter width" => p.knobs.extents.clone(),
+        "decline with age" => p.knobs.kernel.to_owned(),
+        "lifetime" => p.knobs.lifetime.clone(),
+        "light" => p.knobs.light.to_owned(),
+        _ => format!("{} {}/s", p.knobs.method, short(p.knobs.rate)),
+    }
+}
+
+/// One table and one chart a knob.
+fn knobs(points: &[Point], pixels: u32) -> Result<Vec<Section>> {
+    let middle = Knobs::new(Method::Adaptive, MIDDLE);
+    let Some(base) = points.iter().find(|p| *p.settings() == middle) else {
+        return Ok(Vec::new());
+    };
+    let mut sweeps: Vec<&str> = Vec::new();
+    for p in points {
+        if !sweeps.contains(&p.sweep) && !["all together", "presets"].contains(&p.sweep) {
+            sweeps.push(p.sweep);
+        }
+    }
+    let mut section = Section::new("Knob by knob");
+    section.paragraph(&format!(
+        "One knob turned, all else as `adaptive` has it at {} samples a second; changes against \
+         that.",
+        short(middle.rate(pixels))
+    ));
+    let percent = |a: f64, b: f64| format!("{:+.0}", 100.0 * (a / b - 1.0)).replace('-', "−");
+    for sweep in sweeps {
+        let heads = [
+            sweep,
+            "RMSE",
+            "dB",
+            "sampling",
+            "filtering",
+            "delay",
+            "arithmetic",
+            "to f64",
+            "display, %",
+            "host, %",
+            "bytes, %",
+            "RAM, %",
+        ];
+        let mut table = Table::new(heads);
+        for p in points.iter().filter(|p| p.sweep == sweep) {
+            let cells = [
+                label(sweep, p),
+                format!("{:.2}", p.rmse),
+                format!("{:+.2}", p.psnr - base.psnr).replace('-', "−"),
+                format!("{:.1}", p.error.sampling),
+                format!("{:.1}", p.error.filtering),
+                format!("{:.1}", p.error.delay),
+                format!("{:.2}", p.error.arithmetic),
+                format!("{:.2}", p.rmse_to_oracle),
+                percent(p.display_seconds, base.display_seconds),
+                percent(p.host_seconds, base.host_seconds),
+                percent(p.bytes_per_second, base.bytes_per_second),
+                percent(p.ram_bytes as f64, base.ram_bytes as f64),
+            ];
+            if *p.settings() == middle {
+                table.strong_row(cells);
+            } else {
+                table.row(cells);
+            }
+        }
+        section.table(&table);
+    }
+    section.paragraph(
+        "Sampling, filtering, delay and arithmetic in levels squared; “to f64”: RMSE against the \
+         same display in f64.",
+    );
+    Ok(vec![section])
+}
+
+/// How cost grows.
+fn scaling(points: &[Point], dir: &Path) -> Result<Option<Section>> {
+    let of = |sweep: &str, x: fn(&Point) -> f64| -> Vec<(f64, f64)> {
+        let mut pairs: Vec<(f64, f64)> = points
+            .iter()
+            .filter(|p| p.sweep == sweep && p.settings().method == Method::Adaptive)
+            .map(|p| (x(p), 1e3 * p.display_seconds / 60.0))
+            .collect();
+        pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        pairs
+    };
+    let by_n = of("samples remembered", |p| f64::from(p.knobs.samples));
+    let by_rate = of("method and rate", |p| f64::from(p.knobs.rate));
+    if by_n.len() < 3 || by_rate.len() < 3 {
+        return Ok(None);
+    }
+    let logs = |pairs: &[(f64, f64)]| -> Vec<(f64, f64)> {
+        pairs.iter().map(|p| (p.0.ln(), p.1.ln())).collect()
+    };
+    let text = |pairs| slope(&logs(pairs)).map_or_else(|| "–".to_owned(), |s| format!("{s:.2}"));
+    let y = Axis::new("display, ms a refresh (log)", Scale::Log);
+    let x = Axis::new("samples remembered, or samples a second (log)", Scale::Log);
+    let mut section = Section::new("How cost grows");
+    let plot = Plot::new("A refresh's time", x, y)
+        .line(
+            format!("N at one rate: slope {}", text(&by_n)),
+            by_n.clone(),
+        )
+        .line(
+            format!("rate, N = 1 s: slope {}", text(&by_rate)),
+            by_rate.clone(),
+        );
+    section.plot(
+        &plot,
+        "Slope 1 is in proportion; below 1 there is a part that pixels alone cost.",
+    )?;
+    write_file(&dir.join("scaling.svg"), plot.svg()?.as_bytes())?;
+    Ok(Some(section))
+}
+
+/// The solver's answer in a sentence.
+#[must_use]
+pub fn sentence(answer: &Answer) -> String {
+    let binds = match answer.binds.as_slice() {
+        [] => "nothing binds".to_owned(),
+        binds => format!("what binds: {}", binds.join("; ")),
+    };
+    match (&answer.preset, &answer.used) {
+        (Some(preset), Some(used)) => {
+            let time = used.time.unwrap_or(f64::NAN);
+            format!(
+                "preset `{}`: RMSE {:.2} expected, {} samples/s, N = {}; uses {:.0} % of the \
+                 time, {:.0} % of the link, {:.0} % of the RAM ({} bytes); {binds}",
+                preset.preset,
+                preset.rmse,
+                short(preset.rate),
+                short(preset.samples),
+                100.0 * time,
+                100.0 * used.link,
+                100.0 * used.ram,
+                preset.ram_bytes,
+            )
+        }
+        _ => format!("nothing fits; {binds}"),
+    }
+}
+
+fn budgets(answers: &[Answer]) -> Section {
+    let mut section = Section::new("Budgets");
+    for answer in answers {
+        let b = &answer.budget;
+        let core = b
+            .core
+            .map_or_else(|| "this machine".to_owned(), |core| format!("{core:?}"));
+        section.paragraph(&format!(
+            "{core} at {:.0} MHz, link {:.1} Mbit/s, RAM {:.0} kB, {}x{} at {} Hz: {}.",
+            b.hertz / 1e6,
+            b.link / 1e6,
+            b.ram / 1e3,
+            b.width,
+            b.height,
+            b.refresh,
+            sentence(answer)
+        ));
+        let mut table = Table::new(["preset", "RMSE", "time, %", "link, %", "RAM, %", ""]);
+        for (candidate, used) in &answer.all {
+            let share = |v: f64| format!("{:.0}", 100.0 * v);
+            table.row([
+                candidate.preset.to_owned(),
+                format!("{:.2}", candidate.rmse),
+                used.time.map_or_else(|| "–".to_owned(), share),
+                share(used.link),
+                share(used.ram),
+                if used.fits() { "✓ fits" } else { "✗" }.to_owned(),
+            ]);
+        }
+        section.table(&table);
+    }
+    section
+}
