@@ -174,11 +174,10 @@ impl Budget {
         let pixels = f64::from(self.width) * f64::from(self.height);
         let time = match self.core {
             None => Some(candidate.display_seconds * self.refresh / 60.0),
-            Some(_) => candidate.effort.map(|effort| {
-                let picture = effort.picture(f64::from(candidate.samples), pixels);
-                let receive = effort.receive(f64::from(candidate.rate) / self.refresh);
-                (picture + receive) * self.refresh / self.hertz
-            }),
+            Some(_) => {
+                let instructions = candidate.effort.map(|effort| effort.refresh(pixels));
+                instructions.map(|count| count * self.refresh / self.hertz)
+            }
         };
         Use {
             time,
@@ -259,10 +258,8 @@ mod tests {
             ram_bytes: (100_000.0 * scale) as u64,
             display_seconds: 0.01 * scale,
             effort: Some(Effort {
-                new: 1000.0,
-                refresh: 0.0,
-                stored: 1000.0,
-                pixel: 100.0,
+                receive: 1000.0 * scale,
+                picture: 3000.0 * scale,
             }),
         }
     }
@@ -311,13 +308,11 @@ mod tests {
         let answer = ask("cortex-m7@10GHz link=100kbit/s ram=1MiB 16x16@60Hz");
         assert_eq!(name(&answer), Some("small"));
         assert!(answer.binds[0].starts_with("link"), "{:?}", answer.binds);
-        // 60 × (1000·1000 + 256·100) instructions and 1000·1000 for receiving.
-        let answer = ask("cortex-m7@62.6MHz link=1Gbit/s ram=1GB 16x16@60Hz"
-            .replace("1GB", "1000MB")
-            .as_str());
+        // 60 × 256 × 4000 instructions are 61.44 million.
+        let answer = ask("cortex-m7@61.5MHz link=1Gbit/s ram=1000MB 16x16@60Hz");
         assert_eq!(name(&answer), Some("small"));
         assert!(answer.binds[0].starts_with("time"), "{:?}", answer.binds);
-        let answer = ask("cortex-m7@62.5MHz link=1Gbit/s ram=1000MB 16x16@60Hz");
+        let answer = ask("cortex-m7@61.4MHz link=1Gbit/s ram=1000MB 16x16@60Hz");
         assert_eq!(name(&answer), None);
         assert!(answer.binds[0].contains("small"), "{:?}", answer.binds);
         let answer = ask("this ram=1000MB 16x16@60Hz");

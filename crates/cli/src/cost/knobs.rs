@@ -160,22 +160,23 @@ pub struct Preset {
     hidden: bool,
 }
 
-/// From the cheapest to the best.
+/// From the cheapest to the best. None tests for hidden points: on the built-in scenes it costs
+/// more than it gives, see the report.
 pub const PRESETS: [Preset; 5] = [
-    preset("least", 1.5, 0.25, Fit::Constant, false),
-    preset("small", 3.0, 0.5, Fit::Constant, true),
-    preset("medium", 6.0, 0.5, Fit::Linear, true),
-    preset("full", 12.0, 0.5, Fit::Linear, true),
-    preset("best", 24.0, 0.5, Fit::Linear, true),
+    preset("least", 1.5, Fit::Constant),
+    preset("small", 3.0, Fit::Constant),
+    preset("medium", 6.0, Fit::Constant),
+    preset("full", 12.0, Fit::Constant),
+    preset("best", 24.0, Fit::Linear),
 ];
 
-const fn preset(name: &'static str, density: f64, memory: f64, fit: Fit, hidden: bool) -> Preset {
+const fn preset(name: &'static str, density: f64, fit: Fit) -> Preset {
     Preset {
         name,
         density,
-        memory,
+        memory: 0.5,
         fit,
-        hidden,
+        hidden: false,
     }
 }
 

@@ -364,12 +364,12 @@ fn budgets(answers: &[Answer]) -> Section {
     let mut section = Section::new("Budgets");
     for answer in answers {
         let b = &answer.budget;
-        let core = b
-            .core
-            .map_or_else(|| "this machine".to_owned(), |core| format!("{core:?}"));
+        let core = match b.core {
+            Some(core) => format!("{core:?} at {:.0} MHz", b.hertz / 1e6),
+            None => "One core of this machine".to_owned(),
+        };
         section.paragraph(&format!(
-            "{core} at {:.0} MHz, link {:.1} Mbit/s, RAM {:.0} kB, {}x{} at {} Hz: {}.",
-            b.hertz / 1e6,
+            "{core}, link {:.1} Mbit/s, RAM {:.0} kB, {}x{} at {} Hz: {}.",
             b.link / 1e6,
             b.ram / 1e3,
             b.width,

@@ -15,7 +15,7 @@ use crate::measure::REFRESH_HZ;
 use crate::report::picture::png_bytes;
 
 /// Raise this when the tracer or the classes change: old files are not used any more.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// "A moment ago", for pixel classes, seconds.
 const MOMENT_AGO: f64 = 0.1;
 /// The colours around (3 × 3 pixels) of a textured pixel span this many levels of 255.

@@ -81,7 +81,7 @@ impl BarChart {
             return Ok(());
         }
         let room = |width: f64| width.min(0.45 * f64::from(WIDTH)) as i32;
-        let left = room(12.0 + widest(self.bars.iter().map(|b| b.0.as_str())));
+        let left = room(20.0 + widest(self.bars.iter().map(|b| b.0.as_str())));
         let legend = match self.parts.len() {
             0 => 0,
             _ => room(30.0 + widest(self.parts.iter().map(String::as_str))),

@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod common;
+mod cost;
 mod eval;
 mod main_job;
 mod streams;

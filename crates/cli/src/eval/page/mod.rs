@@ -132,13 +132,14 @@ fn find<'a>(rows: &'a [Row], scene: &str, method: EvalMethod, rate: u32) -> Opti
 
 /// A number of samples as people say it: 400k.
 #[must_use]
-pub fn short(rate: u32) -> String {
-    if rate >= 1_000_000 {
-        format!("{:.2}M", f64::from(rate) / 1e6)
-    } else if rate.is_multiple_of(1000) {
-        format!("{}k", rate / 1000)
-    } else {
-        rate.to_string()
+pub fn short(count: u32) -> String {
+    let number = f64::from(count);
+    match count {
+        1_000_000.. => format!("{:.2}M", number / 1e6),
+        _ if count.is_multiple_of(1000) => format!("{}k", count / 1000),
+        100_000.. => format!("{:.0}k", number / 1e3),
+        10_000.. => format!("{:.1}k", number / 1e3),
+        _ => count.to_string(),
     }
 }
 
