@@ -53,8 +53,8 @@ pub fn write(
         "Seconds are of one core's work (thread time) for a second of animation at 60 Hz; the \
          display's is the median refresh times 60. Error parts are differences of mean squared \
          errors along a chain of pictures of the same stream: as shown; in f64; each sample \
-         traced again at the instant; each sample the mean of its pixel. They add up by \
-         construction; holes count as filtering. RAM: all slices that the display asks for, its \
+         traced again at the instant; 16 fresh samples a pixel instead. They add up by \
+         construction. RAM: all slices that the display asks for, its \
          receiver included, without stack and code.",
     );
     report.write(&dir.join("report.html"))?;
@@ -202,8 +202,9 @@ fn causes(points: &[Point]) -> Result<Section> {
     }
     section.bars(
         &chart,
-        "Sampling: noise of single rays. Filtering: blur, holes. Delay: samples that are not of \
-         the instant. Arithmetic: integers against f64. Parts below zero are drawn as nothing; \
+        "Sampling: too few samples, the blur that hides it included. Filtering: what 16 fresh \
+         samples a pixel leave. Delay: samples that are not of the instant. Arithmetic: integers \
+         against f64. Parts below zero are drawn as nothing; \
          the numbers are in points.csv.",
     )?;
     Ok(section)

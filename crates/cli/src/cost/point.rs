@@ -8,10 +8,11 @@
 //! | as shown | nothing | arithmetic |
 //! | in `f64` | rounding | delay |
 //! | and each sample traced again at the instant | age | sampling |
-//! | and each sample the mean of its pixel in *I* | noise of single samples | filtering (what is left) |
+//! | of 16 fresh samples a pixel on a grid | shortage of samples | filtering (what is left) |
 //!
 //! So the parts add up to the whole by construction. A part can be negative: a lag may hide noise.
-//! Holes that no sample reached count as filtering: filling is what answers for them.
+//! What filters blur because samples are few counts as sampling; filtering is what plenty of
+//! samples would not cure.
 
 use anyhow::{Context, Result, ensure};
 use serde::{Deserialize, Serialize};
@@ -22,19 +23,19 @@ use unframed_recon::{Arith, Display, Fixed, Player};
 
 use super::knobs::{Format, Knobs};
 use super::ram;
-use super::stream::Stream;
+use super::stream::{self, Stream};
 use crate::args::Size;
 use crate::eval::Reference;
 use crate::measure::REFRESH_HZ;
-use crate::replica::Replica;
+use crate::replica::{Replica, picture_of};
 use crate::work::Stopwatch;
 
 /// Mean squared error in displayed levels (0..255) squared, and its parts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ErrorParts {
-    /// Too few samples: the noise of each being one ray.
+    /// Too few samples: noise, holes, and the blur that hides them.
     pub sampling: f64,
-    /// The filter's own: blur, and holes filled.
+    /// The filter's own: what is left with plenty of samples.
     pub filtering: f64,
     /// Rounding: against the same in `f64`.
     pub arithmetic: f64,
@@ -66,7 +67,31 @@ pub struct Measured {
 /// Every so many refreshes the error is split.
 const SPLIT_EVERY: u32 = 10;
 
-/// Measures a setting on its stream. `references[k]` belongs to refresh `first + k`.
+/// What should be seen at a refresh, and what a display would make of plenty of samples.
+#[derive(Debug)]
+pub struct Instant {
+    /// The ideal picture.
+    pub reference: Reference,
+    /// A stream of plenty of samples and their number, where the error is split.
+    plenty: Option<(Vec<u8>, usize)>,
+}
+
+impl Instant {
+    /// Of refresh `index`.
+    ///
+    /// # Errors
+    /// The scene cannot be sent.
+    pub fn new(index: u32, reference: Reference, world: &World) -> Result<Self> {
+        let splits = (index + 1).is_multiple_of(SPLIT_EVERY);
+        let plenty = splits.then(|| stream::dense(world, reference.time));
+        Ok(Self {
+            plenty: plenty.transpose()?,
+            reference,
+        })
+    }
+}
+
+/// Measures a setting on its stream. `instants[k]` belongs to refresh `first + k`.
 ///
 /// # Errors
 /// A display cannot be set up; the stream was damaged.
@@ -76,7 +101,7 @@ pub fn measure(
     stream: &Stream,
     world: &World,
     first: u32,
-    references: &[Reference],
+    instants: &[Instant],
 ) -> Result<Measured> {
     let job = Job {
         knobs,
@@ -84,7 +109,7 @@ pub fn measure(
         stream,
         world,
         first,
-        references,
+        instants,
     };
     match knobs.format {
         Format::Fixed => job.run::<Fixed>(),
@@ -99,7 +124,7 @@ struct Job<'a> {
     stream: &'a Stream,
     world: &'a World,
     first: u32,
-    references: &'a [Reference],
+    instants: &'a [Instant],
 }
 
 impl Job<'_> {
@@ -113,7 +138,7 @@ impl Job<'_> {
         let mut player = Player::new(display);
         let mut replica = Replica::new(width, height, samples);
         let mut error = SquaredError::default();
-        // As shown, exact, fresh, without noise; and shown against exact.
+        // As shown, exact, fresh, of plenty; and shown against exact.
         let mut chain = [SquaredError::default(); 5];
         let mut times = Vec::new();
         for (index, bytes) in self.stream.refreshes.iter().enumerate() {
@@ -123,14 +148,15 @@ impl Job<'_> {
             let seconds = watch.seconds();
             replica.receive(bytes);
             let counted = (index as u32).checked_sub(self.first);
-            let Some(reference) = counted.and_then(|k| self.references.get(k as usize)) else {
+            let Some(instant) = counted.and_then(|k| self.instants.get(k as usize)) else {
                 continue;
             };
+            let reference = &instant.reference;
             times.push(seconds);
             let shown = player.display().picture();
             error = error.plus(self.error(&reference.image, shown)?);
-            if (index as u32 + 1).is_multiple_of(SPLIT_EVERY) {
-                let links = self.split(&replica, reference, shown)?;
+            if let Some(plenty) = &instant.plenty {
+                let links = self.split(&replica, reference, plenty, shown)?;
                 for (sum, link) in chain.iter_mut().zip(links) {
                     *sum = sum.plus(link);
                 }
@@ -143,13 +169,13 @@ impl Job<'_> {
         );
         times.sort_unstable_by(f64::total_cmp);
         let median = times.get(times.len() / 2).copied().unwrap_or(0.0);
-        let [shown, exact, fresh, smooth, rounding] = chain.map(SquaredError::mean);
+        let [shown, exact, fresh, plenty, rounding] = chain.map(SquaredError::mean);
         Ok(Measured {
             error: ErrorParts {
                 arithmetic: shown - exact,
                 delay: exact - fresh,
-                sampling: fresh - smooth,
-                filtering: smooth,
+                sampling: fresh - plenty,
+                filtering: plenty,
                 total: shown,
             },
             rmse: error.rmse(),
@@ -171,19 +197,19 @@ impl Job<'_> {
         &self,
         replica: &Replica,
         reference: &Reference,
+        (stream, samples): &(Vec<u8>, usize),
         shown: &[[u8; 3]],
     ) -> Result<[SquaredError; 5]> {
         let display = self.knobs.display;
         let exact = replica.picture::<f64>(display, &replica.colours())?;
         let fresh = replica.fresh_colours(self.world, reference.time)?;
         let fresh = replica.picture::<f64>(display, &fresh)?;
-        let smooth = replica.ideal_colours(&reference.image);
-        let smooth = replica.picture::<f64>(display, &smooth)?;
+        let plenty = picture_of(stream, *samples, replica, display)?;
         Ok([
             self.error(&reference.image, shown)?,
             self.error(&reference.image, &exact)?,
             self.error(&reference.image, &fresh)?,
-            self.error(&reference.image, &smooth)?,
+            self.error(&reference.image, &plenty)?,
             self.error(&exact, shown)?,
         ])
     }

@@ -1,7 +1,13 @@
 //! A stream in memory, refresh by refresh, so that many displays can be shown the same.
 
 use anyhow::Result;
+use glam::Vec2;
+use rayon::prelude::*;
+use unframed_host::sampler::Shot;
+use unframed_host::stream::Sender;
+use unframed_host::stream::sender::Promise;
 use unframed_host::trace::World;
+use unframed_wire::{Layout, TileFields};
 
 use super::knobs::Knobs;
 use crate::args::{Size, Source};
@@ -63,4 +69,39 @@ impl Stream {
         stream.bytes_per_second /= seconds;
         Ok(stream)
     }
+}
+
+/// Samples along each axis of a pixel where there are to be plenty.
+const PLENTY: u32 = 4;
+
+/// A stream of one refresh at `time` seconds, all of whose samples are of that instant: a regular
+/// grid of 16 a pixel. Its bytes and the number of its samples.
+///
+/// # Errors
+/// The scene cannot be sent.
+pub fn dense(world: &World, time: f64) -> Result<(Vec<u8>, usize)> {
+    let mut world = world.clone();
+    world.prepare(time, time);
+    let [width, height] = world.size().map(|side| side * PLENTY);
+    let moment = world.moment(time);
+    let shots: Vec<Shot> = (0..width * height)
+        .into_par_iter()
+        .map(|i| {
+            let place = Vec2::new((i % width) as f32, (i / width) as f32) + 0.5;
+            let pixel = place / PLENTY as f32;
+            let hit = moment.look(pixel, i);
+            Shot { time, pixel, hit }
+        })
+        .collect();
+    let promise = Promise {
+        layout: Layout::World,
+        tile_fields: TileFields::default(),
+        rate: shots.len() as u32 * REFRESH_HZ,
+        refresh_millihertz: REFRESH_HZ * 1000,
+    };
+    let mut sender = Sender::new(&world, promise);
+    let mut bytes = Vec::new();
+    sender.samples(&shots, &mut bytes)?;
+    sender.refresh(&world, time, &[], &mut bytes)?;
+    Ok((bytes, shots.len()))
 }

@@ -11,15 +11,15 @@ use unframed_host::sampler::adaptive;
 use unframed_host::trace::World;
 
 use super::knobs::{Knobs, Planned};
-use super::point::{Measured, measure};
+use super::point::{Instant, Measured, measure};
 use super::stream::Stream;
 use crate::args::Size;
+use crate::eval::Cache;
 use crate::eval::store::{Key, write_whole};
-use crate::eval::{Cache, Reference};
 use crate::measure::{IDEAL_GRID, REFRESH_HZ};
 
 /// Raise this when what a point means changes: old files are not used any more.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Seconds before anything counts: the display fills.
 pub const WARM_UP: f64 = 0.5;
 
@@ -114,10 +114,11 @@ impl Study {
         progress.set_message("ideal pictures");
         let cache = Cache::new(ideals, &self.name, &self.world, IDEAL_GRID)?;
         let mut world = self.world.clone();
-        let references: Vec<Reference> = (first..self.refreshes)
+        let instants: Vec<Instant> = (first..self.refreshes)
             .map(|index| {
                 progress.inc(1);
-                cache.reference(&mut world, index)
+                let reference = cache.reference(&mut world, index)?;
+                Instant::new(index, reference, &self.world)
             })
             .collect::<Result<_>>()?;
         progress.set_message("streams");
@@ -142,7 +143,7 @@ impl Study {
             let knobs = order[i];
             let stream = streams.iter().position(|other| same(knobs, other));
             let stream = stream.and_then(|k| recorded.get(k)).context("no stream")?;
-            let measured = measure(knobs, self.size, stream, &self.world, first, &references)?;
+            let measured = measure(knobs, self.size, stream, &self.world, first, &instants)?;
             write_whole(&self.path(knobs), &serde_json::to_vec_pretty(&measured)?)?;
             progress.inc(1);
             if progress.is_hidden() {
