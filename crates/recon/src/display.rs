@@ -355,7 +355,7 @@ impl<'a, A: Arith, W: Workers> Display<'a, A, W> {
         self.filter(refresh.time, &reach);
         if self.config.fill {
             let (width, height) = (self.panel.width.into(), self.panel.height.into());
-            fill::fill(width, height, self.texels, self.pyramid);
+            fill::fill(width, height, self.texels, self.pyramid, &self.workers);
         }
         self.encode();
     }

@@ -4,6 +4,7 @@
 //! gives each finer texel what it lacks in confidence from the filled coarser level.
 
 use crate::arith::{Arith, Texel};
+use crate::workers::{Parts, Workers};
 
 /// Texels of all coarser levels of a picture of this size.
 #[must_use]
@@ -26,42 +27,81 @@ fn coarser((w, h): Size) -> Size {
 }
 
 /// Fills `texels` (row by row, `width` × `height`) by way of `pyramid`. Says whether anything was
-/// known at all; if not, all texels keep a confidence of zero.
+/// known at all; if not, all texels keep a confidence of zero. The finest level, most of the work,
+/// is shared among the workers.
 pub fn fill<A: Arith>(
     width: usize,
     height: usize,
     texels: &mut [Texel<A>],
     pyramid: &mut [Texel<A>],
+    workers: &impl Workers,
 ) -> bool {
-    pull_level(texels, (width, height), pyramid);
-    let top = push_levels(texels, (width, height), pyramid);
-    top.is_some()
+    let size = (width, height);
+    if width <= 1 && height <= 1 {
+        return texels.first().and_then(known).is_some();
+    }
+    let below = coarser(size);
+    let Some((level, rest)) = pyramid.split_at_mut_checked(below.0 * below.1) else {
+        return false;
+    };
+    let share = below.1.div_ceil(workers.parts().max(1)).max(1);
+    let fine = &*texels;
+    let work = level.chunks_mut((share * below.0).max(1)).enumerate();
+    Parts::new(work).each(workers, |(part, level)| {
+        pull_level(fine, size, *part * share, level, below);
+    });
+    pull_levels(level, below, rest);
+    if push_levels(level, below, rest).is_none() {
+        return false;
+    }
+    let level = &*level;
+    let work = texels.chunks_mut((2 * share * width).max(1)).enumerate();
+    Parts::new(work).each(workers, |(part, fine)| {
+        push_level(fine, 2 * *part * share, size, level, below);
+    });
+    true
+}
+
+/// Pulls rows of a coarse level, those from row `first` on, from a fine one.
+fn pull_level<A: Arith>(
+    fine: &[Texel<A>],
+    size: Size,
+    first: usize,
+    coarse: &mut [Texel<A>],
+    below: Size,
+) {
+    for (y, line) in (first..).zip(coarse.chunks_mut(below.0.max(1))) {
+        let row = |y: usize| {
+            let row = fine.get(y * size.0..).filter(|_| y < size.1);
+            row.and_then(|row| row.get(..size.0)).unwrap_or_default()
+        };
+        let (above, under) = (row(2 * y), row(2 * y + 1));
+        for (x, texel) in line.iter_mut().enumerate() {
+            let at = |row: &[Texel<A>], x: usize| row.get(x).copied().unwrap_or_default();
+            *texel = A::pull([
+                at(above, 2 * x),
+                at(above, 2 * x + 1),
+                at(under, 2 * x),
+                at(under, 2 * x + 1),
+            ]);
+        }
+    }
 }
 
 /// Pulls one level into the start of `pyramid`, then the rest from there.
-fn pull_level<A: Arith>(fine: &[Texel<A>], size: Size, pyramid: &mut [Texel<A>]) {
-    let mut size = size;
-    let (mut rest, mut first) = (pyramid, true);
-    let mut source: &[Texel<A>] = fine;
+fn pull_levels<'a, A: Arith>(
+    mut fine: &'a [Texel<A>],
+    mut size: Size,
+    pyramid: &'a mut [Texel<A>],
+) {
+    let mut rest = pyramid;
     while size.0 > 1 || size.1 > 1 {
         let below = coarser(size);
         let Some((level, tail)) = rest.split_at_mut_checked(below.0 * below.1) else {
             return;
         };
-        let finer = if first { fine } else { source };
-        for (y, line) in level.chunks_mut(below.0.max(1)).enumerate() {
-            for (x, texel) in line.iter_mut().enumerate() {
-                let at = |dx: usize, dy: usize| {
-                    let (x, y) = (2 * x + dx, 2 * y + dy);
-                    let inside = x < size.0 && y < size.1;
-                    let texel = finer.get(y * size.0 + x).filter(|_| inside);
-                    texel.copied().unwrap_or_default()
-                };
-                *texel = A::pull([at(0, 0), at(1, 0), at(0, 1), at(1, 1)]);
-            }
-        }
-        first = false;
-        source = level;
+        pull_level(fine, size, 0, level, below);
+        fine = level;
         rest = tail;
         size = below;
     }
@@ -79,7 +119,7 @@ fn push_levels<A: Arith>(
     let below = coarser(size);
     let (level, rest) = pyramid.split_at_mut_checked(below.0 * below.1)?;
     push_levels(level, below, rest)?;
-    push_level(texels, size, level, below);
+    push_level(texels, 0, size, level, below);
     Some(())
 }
 
@@ -87,20 +127,26 @@ fn known<A: Arith>(texel: &Texel<A>) -> Option<()> {
     (texel.confidence != A::Confidence::default()).then_some(())
 }
 
-/// Pushes one level: each fine texel sees the coarse one that holds it and the three beside it on
-/// its side, weights 9, 3, 3, 1.
-fn push_level<A: Arith>(fine: &mut [Texel<A>], size: Size, coarse: &[Texel<A>], below: Size) {
-    for (y, line) in fine.chunks_mut(size.0.max(1)).enumerate().take(size.1) {
-        let near_y = y / 2;
-        let far_y = beside(y, below.1);
+/// Pushes rows of a level, those from row `first` on: each fine texel sees the coarse one that
+/// holds it and the three beside it on its side, weights 9, 3, 3, 1.
+fn push_level<A: Arith>(
+    fine: &mut [Texel<A>],
+    first: usize,
+    size: Size,
+    coarse: &[Texel<A>],
+    below: Size,
+) {
+    for (y, line) in (first..size.1).zip(fine.chunks_mut(size.0.max(1))) {
+        let row = |y: usize| coarse.get(y * below.0..).unwrap_or_default();
+        let (near, far) = (row(y / 2), row(beside(y, below.1)));
         for (x, texel) in line.iter_mut().enumerate() {
             let (near_x, far_x) = (x / 2, beside(x, below.0));
-            let at = |x: usize, y: usize| coarse.get(y * below.0 + x).copied().unwrap_or_default();
+            let at = |row: &[Texel<A>], x: usize| row.get(x).copied().unwrap_or_default();
             let around = [
-                at(near_x, near_y),
-                at(far_x, near_y),
-                at(near_x, far_y),
-                at(far_x, far_y),
+                at(near, near_x),
+                at(near, far_x),
+                at(far, near_x),
+                at(far, far_x),
             ];
             *texel = A::push(*texel, around);
         }

@@ -162,21 +162,17 @@ pub fn hides<A: Arith>(
     *limit < sample.depth && *limit <= reach
 }
 
-/// The coarser minima from the first level, and the depth beyond which each pixel is hidden.
-pub fn limits<A: Arith>(panel: &Panel, minima: &mut [A::Depth], limits: &mut [A::Depth]) {
-    let (width, height) = (usize::from(panel.width), usize::from(panel.height));
-    let half_cells = cells_along(panel.width, 2) * cells_along(panel.height, 2);
-    let Some((fine, coarse)) = minima.split_at_mut_checked(panel.pixels()) else {
+/// The coarser minima from the first level.
+pub fn coarsen<A: Arith>(panel: &Panel, minima: &mut [A::Depth]) {
+    let width = usize::from(panel.width).max(1);
+    let Some((fine, halves, blocks)) = levels_mut(panel, minima) else {
         return;
     };
-    let Some((halves, blocks)) = coarse.split_at_mut_checked(half_cells) else {
-        return;
-    };
-    for (cells, side) in [(&mut *halves, 2), (&mut *blocks, 32)] {
+    for (cells, side) in [(halves, 2), (blocks, 32)] {
         cells.fill(A::FAR);
-        let rows = cells.chunks_mut(width.div_ceil(side).max(1));
-        for (cells, rows) in rows.zip(fine.chunks(side * width.max(1))) {
-            for pixels in rows.chunks(width.max(1)) {
+        let rows = cells.chunks_mut(width.div_ceil(side));
+        for (cells, rows) in rows.zip(fine.chunks(side * width)) {
+            for pixels in rows.chunks(width) {
                 for (cell, pixels) in cells.iter_mut().zip(pixels.chunks(side)) {
                     for depth in pixels {
                         if *depth < *cell {
@@ -187,66 +183,79 @@ pub fn limits<A: Arith>(panel: &Panel, minima: &mut [A::Depth], limits: &mut [A:
             }
         }
     }
-    each(fine, width, height, 1, limits, width, |around, limit| {
-        *limit = A::behind(top_three(around)[0], 1);
-    });
-    each(
-        halves,
-        width.div_ceil(2),
-        height.div_ceil(2),
-        2,
-        limits,
-        width,
-        |around, limit| {
-            let other = A::behind(top_three(around)[1], 2);
-            if other < *limit {
-                *limit = other;
-            }
-        },
-    );
-    each(
-        blocks,
-        width.div_ceil(32),
-        height.div_ceil(32),
-        32,
-        limits,
-        width,
-        |around, limit| {
-            let other = A::behind(top_three(around)[2], 32);
-            if other < *limit {
-                *limit = other;
-            }
-        },
-    );
 }
 
-/// Calls `apply` for each pixel with the 3 × 3 cells around its cell, clamped at borders.
-fn each<D: Copy + Default>(
+/// The levels of minima: of pixels, of 2 and of 32 pixels.
+fn levels_mut<'a, D>(
+    panel: &Panel,
+    minima: &'a mut [D],
+) -> Option<(&'a mut [D], &'a mut [D], &'a mut [D])> {
+    let halves = cells_along(panel.width, 2) * cells_along(panel.height, 2);
+    let (fine, coarse) = minima.split_at_mut_checked(panel.pixels())?;
+    let (halves, blocks) = coarse.split_at_mut_checked(halves)?;
+    Some((fine, halves, blocks))
+}
+
+/// The depth beyond which each pixel is hidden, of the rows from `top` (a multiple of 32) on.
+pub fn limits<A: Arith>(panel: &Panel, minima: &[A::Depth], top: usize, limits: &mut [A::Depth]) {
+    limits.fill(A::FAR);
+    let mut rest = minima;
+    for (side, rank) in [(1, 0), (2, 1), (32, 2)] {
+        let size = [panel.width, panel.height].map(|pixels| cells_along(pixels, side));
+        let (cells, others) = rest.split_at_checked(size[0] * size[1]).unwrap_or_default();
+        rest = others;
+        let limit = |around| {
+            let [third, second, first] = top_three(around);
+            let depth = match rank {
+                0 => third,
+                1 => second,
+                _ => first,
+            };
+            A::behind(depth, side as u32)
+        };
+        each(
+            cells,
+            size,
+            side,
+            top / side,
+            limits,
+            usize::from(panel.width),
+            limit,
+        );
+    }
+}
+
+/// Lowers the limits of the pixels of each cell to what `limit` makes of the 3 × 3 cells around
+/// it, clamped at borders; `limits` begins with the row of cells `first`.
+fn each<D: Copy + Default + PartialOrd>(
     cells: &[D],
-    columns: usize,
-    rows: usize,
+    [columns, rows]: [usize; 2],
     side: usize,
+    first: usize,
     limits: &mut [D],
     width: usize,
-    apply: impl Fn([D; 9], &mut D),
+    limit: impl Fn([D; 9]) -> D,
 ) {
     let width = width.max(1);
-    for (row, band) in limits.chunks_mut(side * width).enumerate().take(rows) {
-        let [above, here, below] = [row.saturating_sub(1), row, (row + 1).min(rows - 1)].map(|r| {
+    let last = rows.saturating_sub(1);
+    for (row, band) in (first..rows).zip(limits.chunks_mut(side * width)) {
+        let [above, here, below] = [row.saturating_sub(1), row, (row + 1).min(last)].map(|r| {
             let from = cells.get(r * columns..).unwrap_or_default();
             from.get(..columns).unwrap_or_default()
         });
+        let last = columns.saturating_sub(1);
         for column in 0..columns {
-            let last = columns - 1;
             let near = [column.saturating_sub(1), column, (column + 1).min(last)];
             let [a, b, c] = [above, here, below]
                 .map(|line| near.map(|x| line.get(x).copied().unwrap_or_default()));
-            let around = [a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]];
+            let limit = limit([a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]]);
             let from = column * side;
             for line in band.chunks_mut(width) {
                 let to = (from + side).min(line.len());
-                for limit in line.get_mut(from..to).unwrap_or_default() {
-                    apply(around, limit);
+                for own in line.get_mut(from..to).unwrap_or_default() {
+                    if limit < *own {
+                        *own = limit;
+                    }
                 }
             }
         }

@@ -8,7 +8,7 @@
 //! | projected samples | 20 N, and 20 N more where they are sorted |
 //! | minima and limits | 2 (2.25 + 1/1024) W H |
 //! | movers, masses and widths | 7 W H |
-//! | sums | 32 W H, and 88 W H more for planes |
+//! | sums | 32 W H, and 96 W H more for planes |
 //! | texels with their pyramid | 8 · 4/3 W H |
 //! | picture | 3 W H |
 //! | tile map | 5 W H / 16 |

@@ -107,7 +107,13 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
                 hidden::nearest(&panel, runs.rows(band.rows.clone()), top, minima);
                 hidden::mark_movers(&panel, runs.rows(band.reached_from()), top, movers);
             });
-            hidden::limits::<A>(&panel, self.minima, self.limits);
+            hidden::coarsen::<A>(&panel, self.minima);
+            let minima = &*self.minima;
+            let mut limits = &mut *self.limits;
+            let work = bands().map(|band| (band.lines.start, take(&mut limits, pixels(band))));
+            Parts::new(work).each(workers, |(top, limits)| {
+                hidden::limits::<A>(&panel, minima, *top, limits);
+            });
         }
         if config.hidden || config.extents == Extents::Density {
             let mut mass = &mut *self.mass;

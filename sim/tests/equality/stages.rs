@@ -12,7 +12,7 @@ use unframed_recon::splat::{self, Filter, Target, Widths};
 use unframed_recon::tables::SRGB_TO_LINEAR;
 use unframed_recon::tiles::{Cell, TileMap, cells_along};
 use unframed_recon::transform::Transform;
-use unframed_recon::{Fixed, solve};
+use unframed_recon::{Alone, Fixed, solve};
 use unframed_sim::twin::Probe;
 use unframed_wire::{Packet, Receiver, Tick, View};
 
@@ -110,7 +110,8 @@ impl Stages {
             let all = seen(&projected);
             let once = || std::iter::once(&all[..]);
             hidden::nearest::<Fixed>(&panel, once(), 0, &mut minima[..pixels]);
-            hidden::limits::<Fixed>(&panel, &mut minima, &mut limits);
+            hidden::coarsen::<Fixed>(&panel, &mut minima);
+            hidden::limits::<Fixed>(&panel, &minima, 0, &mut limits);
             let mut movers = vec![0; pixels];
             hidden::mark_movers::<Fixed>(&panel, once(), 0, &mut movers);
             for s in &mut projected {
@@ -195,7 +196,7 @@ impl Stages {
         }
         let mut pyramid = vec![Texel::<Fixed>::default(); pyramid_len(width, height)];
         if config.fill {
-            fill::fill(width.into(), height.into(), &mut texels, &mut pyramid);
+            fill::fill(width.into(), height.into(), &mut texels, &mut pyramid, &Alone);
         }
         let words = texel_words(&texels).chain(texel_words(&pyramid)).collect();
         expected.push((Probe::Texels, words));
