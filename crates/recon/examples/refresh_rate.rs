@@ -2,12 +2,10 @@
 //! `cargo run --release -p unframed-recon --features threads --example refresh_rate [SAMPLES [SIZE [ROUNDS [WORD]]]]`
 //! ROUNDS refreshes are measured of each kind, or of the kinds with WORD in their names.
 
-#[path = "../benches/load/plain.rs"]
-mod plain;
-#[path = "../benches/load/scene.rs"]
-mod scene;
+#[path = "../benches/load/mod.rs"]
+mod load;
 
-use scene::Show;
+use load::{plain, scene::Show};
 use std::time::{Duration, Instant};
 use unframed_recon::config::Fit;
 use unframed_recon::heap::HeapStorage;
@@ -101,12 +99,13 @@ fn measure(work: impl FnOnce()) -> Duration {
     }
 }
 
-/// Prints a row; the least of its times in ms.
+/// Prints a row; the mean in ms.
 fn report(name: &str, mut times: Vec<Duration>, scatter: Option<f64>) -> f64 {
     times.sort_unstable();
     let ms = |d: &Duration| d.as_secs_f64() * 1e3;
     let (least, median) = (ms(&times[0]), ms(&times[times.len() / 2]));
-    let ratio = scatter.map_or(String::new(), |s| format!("  {:5.2} x", s / least));
-    println!("{name:<32} {least:7.2} {median:7.2}{ratio}");
-    least
+    let mean = ms(&times.iter().sum()) / times.len() as f64;
+    let ratio = scatter.map_or(String::new(), |s| format!("  {:6.2} x", s / mean));
+    println!("{name:<32} {least:7.2} {median:7.2} {mean:7.2}{ratio}");
+    mean
 }

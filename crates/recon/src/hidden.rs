@@ -17,7 +17,8 @@ pub const CELLS: [usize; 3] = [1, 2, 32];
 /// Cells along `pixels` for cells of a side.
 #[must_use]
 pub const fn cells_along(pixels: u16, side: usize) -> usize {
-    (pixels as usize).div_ceil(side)
+    // Never 0; said so that no division can fail.
+    (pixels as usize).div_ceil(if side == 0 { 1 } else { side })
 }
 
 /// Entries that the three levels of minima need together.
@@ -170,8 +171,8 @@ pub fn coarsen<A: Arith>(panel: &Panel, minima: &mut [A::Depth]) {
     };
     for (cells, side) in [(halves, 2), (blocks, 32)] {
         cells.fill(A::FAR);
-        let rows = cells.chunks_mut(width.div_ceil(side));
-        for (cells, rows) in rows.zip(fine.chunks(side * width)) {
+        let rows = cells.chunks_mut(width.div_ceil(side).max(1));
+        for (cells, rows) in rows.zip(fine.chunks((side * width).max(1))) {
             for pixels in rows.chunks(width) {
                 for (cell, pixels) in cells.iter_mut().zip(pixels.chunks(side)) {
                     for depth in pixels {
@@ -217,7 +218,7 @@ pub fn limits<A: Arith>(panel: &Panel, minima: &[A::Depth], top: usize, limits: 
             cells,
             size,
             side,
-            top / side,
+            top.checked_div(side).unwrap_or_default(),
             limits,
             usize::from(panel.width),
             limit,
@@ -238,7 +239,7 @@ fn each<D: Copy + Default + PartialOrd>(
 ) {
     let width = width.max(1);
     let last = rows.saturating_sub(1);
-    for (row, band) in (first..rows).zip(limits.chunks_mut(side * width)) {
+    for (row, band) in (first..rows).zip(limits.chunks_mut((side * width).max(1))) {
         let [above, here, below] = [row.saturating_sub(1), row, (row + 1).min(last)].map(|r| {
             let from = cells.get(r * columns..).unwrap_or_default();
             from.get(..columns).unwrap_or_default()

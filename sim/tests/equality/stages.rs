@@ -196,7 +196,13 @@ impl Stages {
         }
         let mut pyramid = vec![Texel::<Fixed>::default(); pyramid_len(width, height)];
         if config.fill {
-            fill::fill(width.into(), height.into(), &mut texels, &mut pyramid, &Alone);
+            fill::fill(
+                width.into(),
+                height.into(),
+                &mut texels,
+                &mut pyramid,
+                &Alone,
+            );
         }
         let words = texel_words(&texels).chain(texel_words(&pyramid)).collect();
         expected.push((Probe::Texels, words));

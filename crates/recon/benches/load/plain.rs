@@ -2,7 +2,7 @@
 //! weighed by age, widths from the density in 5 × 5 pixels, weighted means; no hidden-point test,
 //! nothing filled.
 
-use crate::scene;
+use super::scene;
 
 struct Sample {
     place: [f32; 3],
