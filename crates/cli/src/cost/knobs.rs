@@ -240,6 +240,7 @@ pub fn sweeps() -> Vec<Planned> {
         Method::Adaptive,
         Method::UniformSameDisplay,
         Method::Uniform,
+        Method::Paper,
     ] {
         add(
             "method and rate",

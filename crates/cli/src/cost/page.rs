@@ -157,7 +157,7 @@ fn fronts(points: &[Point], dir: &Path) -> Result<Section> {
             let same = fixed.iter().filter(|p| p.settings().method == method);
             same.map(place).collect()
         };
-        let y = Axis::new("RMSE (log)", Scale::Log);
+        let y = Axis::new("RMSE of displayed sRGB values", Scale::Linear);
         let mut plot = Plot::new(
             format!("Error against {name}"),
             Axis::new(label, Scale::Log),
@@ -166,7 +166,8 @@ fn fronts(points: &[Point], dir: &Path) -> Result<Section> {
         .front("front", fixed.iter().map(place).collect())
         .points("adaptive", of(Method::Adaptive))
         .points("uniform, same display", of(Method::UniformSameDisplay))
-        .points("uniform", of(Method::Uniform));
+        .points("uniform", of(Method::Uniform))
+        .points("paper", of(Method::Paper));
         plot = plot.points("presets", presets(points).iter().map(place).collect());
         section.plot(&plot, "Lower left is better; the line is the front.")?;
         let file = format!("front-{}.svg", name.replace(' ', "-").to_lowercase());
