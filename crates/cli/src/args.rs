@@ -33,6 +33,31 @@ pub enum Command {
     Eval(EvalArgs),
     /// What accuracy costs: error against time, bytes and RAM, knob by knob.
     Cost(CostArgs),
+    /// Effects by adaptive interleaved sampling of whole frames, against a path tracer.
+    Effects(EffectsArgs),
+}
+
+/// `unframed effects`.
+#[derive(Debug, Clone, Args)]
+pub struct EffectsArgs {
+    /// Scenes that call for effects.
+    #[arg(value_name = "SCENE", default_values = unframed_host::scene::builtin::EFFECTS)]
+    pub scenes: Vec<String>,
+    /// Picture size in pixels, WIDTHxHEIGHT.
+    #[arg(long, default_value = "128x128", value_parser = parse_size)]
+    pub size: Size,
+    /// Paths a pixel of the reference.
+    #[arg(long, default_value_t = 2500)]
+    pub reference: u32,
+    /// Frames that are timed, after one that is not; the quickest counts.
+    #[arg(long, default_value_t = 5)]
+    pub frames: u32,
+    /// The instant of the animation, seconds.
+    #[arg(long, default_value_t = 1.0)]
+    pub at: f64,
+    /// Folder for `report.json` and pictures.
+    #[arg(long)]
+    pub out: PathBuf,
 }
 
 /// The scene and how it is sampled.

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use unframed_cli::args::{Cli, Command, RunArgs};
-use unframed_cli::commands::{cost, eval, inspect, play, record, run, scenes};
+use unframed_cli::commands::{cost, effects, eval, inspect, play, record, run, scenes};
 
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
@@ -16,6 +16,7 @@ fn main() -> ExitCode {
         Some(Command::Scenes(args)) => scenes::scenes(&args),
         Some(Command::Eval(args)) => eval::eval(&args),
         Some(Command::Cost(args)) => cost::cost(&args),
+        Some(Command::Effects(args)) => effects::effects(&args),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,8 +1,8 @@
 //! Soft shadows: emissive meshes as area lights, sampled point by point.
 //!
 //! An estimate from one point is L·A·cos/d² towards it (Shirley, Wang and Zimmerman 1996, §3.1:
-//! points uniform over the area). Emitters cast no shadow themselves. An open mesh shines from
-//! both sides; a closed one from its outside alone.
+//! points uniform over the area). Emitters cast no shadow themselves. A mesh that is closed or
+//! whose material is not double-sided shines from its front alone.
 
 use glam::{Affine3A, Vec3};
 
@@ -19,7 +19,8 @@ pub(crate) struct Surface {
     pub(crate) total: f32,
     /// Mean place.
     pub(crate) centroid: Vec3,
-    closed: bool,
+    /// Shines from the front alone.
+    pub(crate) one_sided: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -32,7 +33,7 @@ struct Facet {
 
 impl Surface {
     /// The triangles of a primitive; `None` without area.
-    pub(crate) fn new(primitive: &Primitive) -> Option<Self> {
+    pub(crate) fn new(primitive: &Primitive, double_sided: bool) -> Option<Self> {
         let mut facets = Vec::new();
         let (mut centroid, mut vector, mut total) = (Vec3::ZERO, Vec3::ZERO, 0.0);
         for triangle in &primitive.indices {
@@ -59,13 +60,13 @@ impl Surface {
             facets,
             total,
             centroid: centroid / total,
-            closed: vector.length() < CLOSED * total,
+            one_sided: !double_sided || vector.length() < CLOSED * total,
         })
     }
 
     /// The point at `at` (two numbers in 0..1, equal areas to equal areas) under `pose`, and the
     /// unit normal there.
-    fn point(&self, at: [f32; 2], pose: &Affine3A) -> (Vec3, Vec3) {
+    pub(crate) fn point(&self, at: [f32; 2], pose: &Affine3A) -> (Vec3, Vec3) {
         let i = self.facets.partition_point(|f| f.until <= at[0]);
         let i = i.min(self.facets.len() - 1);
         let from = if i > 0 { self.facets[i - 1].until } else { 0.0 };
@@ -84,7 +85,7 @@ impl Surface {
 
     /// The offset from `from` to the point at `at`, and the light that it stands for: irradiance
     /// for unit radiance on a surface that faces it, when the whole area is `total` m². `None`
-    /// from behind a closed surface.
+    /// from behind one that shines from the front alone.
     pub(crate) fn seen(
         &self,
         at: [f32; 2],
@@ -96,7 +97,7 @@ impl Surface {
         let offset = place - from;
         let d2 = offset.length_squared().max(1e-6);
         let cos = -normal.dot(offset) / d2.sqrt();
-        if self.closed && cos <= 0.0 {
+        if self.one_sided && cos <= 0.0 {
             return None;
         }
         Some((offset, cos.abs() * total / d2))

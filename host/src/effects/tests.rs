@@ -28,6 +28,7 @@ fn image(scene: Scene) -> (Rays, Vec<Vec3>) {
 /// The Cornell box without its lamp's glow, so that it calls for no effect at all.
 fn plain() -> Scene {
     let mut scene = builtin("cornell").expect("built in");
+    scene.indirect = false;
     scene
         .materials
         .iter_mut()
@@ -47,7 +48,7 @@ const MIST: Medium = Medium {
 type Cause = (&'static str, fn(&mut Scene));
 
 /// All effects that cost rays.
-const CAUSES: [Cause; 5] = [
+const CAUSES: [Cause; 6] = [
     ("hard_shadows", |s| {
         s.nodes.push(Node {
             translation: Vec3::new(0.3, 1.7, 0.2),
@@ -67,11 +68,12 @@ const CAUSES: [Cause; 5] = [
     }),
     ("refraction", |s| s.materials[2].transmission = 1.0),
     ("medium", |s| s.medium = Some(MIST)),
+    ("indirect_diffuse", |s| s.indirect = true),
 ];
 
 #[test]
 fn the_ledger_is_zero_for_what_is_not_called_for() {
-    for mask in 0u32..32 {
+    for mask in 0u32..64 {
         let mut scene = plain();
         for (i, (_, cause)) in CAUSES.iter().enumerate() {
             if mask & 1 << i != 0 {
@@ -86,8 +88,8 @@ fn the_ledger_is_zero_for_what_is_not_called_for() {
             assert_eq!(name, CAUSES[i].0);
             let call = called.iter().find(|e| e.name == name).expect("an effect");
             assert_eq!(call.called_for, mask & 1 << i != 0, "{name} in {mask:b}");
-            // Without a lamp, a medium throws nothing in and needs no ray.
-            let expected = call.called_for && (lit || name != "medium");
+            // Without a lamp, neither a medium nor a wall throws anything on.
+            let expected = call.called_for && (lit || i < 4);
             assert_eq!(count > 0, expected, "{name} in {mask:b}: {count} rays");
         }
     }
@@ -184,6 +186,7 @@ fn an_unblocked_lamp_lights_as_its_form_factor() {
         .retain(|n| n.name != "tall" && n.name != "short");
     scene.channels.clear();
     scene.sky = Default::default();
+    scene.indirect = false;
     scene.materials[3].emissive = Vec3::splat(4.0);
     let (a, h) = (0.25f32, 1.98f32);
     let c = (a * a + h * h).sqrt();
@@ -215,4 +218,118 @@ fn effects_converge_as_random_samples_do() {
             "{name}: {errors:?}, slope {slope}"
         );
     }
+}
+
+/// The mean over an image.
+fn mean(light: &[Vec3]) -> Vec3 {
+    light.iter().sum::<Vec3>() / light.len() as f32
+}
+
+/// Root of the mean squared difference of displayed values, 0..255.
+fn apart(a: &[Vec3], b: &[Vec3]) -> f32 {
+    let code = |v: &Vec3| Vec3::from(crate::trace::srgb::encode8(*v).map(f32::from));
+    let squares = a
+        .iter()
+        .zip(b)
+        .map(|(a, b)| (code(a) - code(b)).length_squared());
+    (squares.sum::<f32>() / (3 * a.len()) as f32).sqrt()
+}
+
+#[test]
+fn a_furnace_glows_evenly() {
+    // Closed, diffuse, every wall shining L: all of it has radiance L/(1 − albedo).
+    let mut scene = plain();
+    scene.indirect = true;
+    scene.sky = Default::default();
+    scene.channels.clear();
+    let room = scene
+        .nodes
+        .iter()
+        .position(|n| n.name == "room")
+        .expect("a room");
+    let mesh = scene.nodes[room].mesh.expect("with walls");
+    scene
+        .nodes
+        .retain(|n| n.name != "tall" && n.name != "short");
+    let mut walls = scene.meshes[mesh].primitives[0].clone();
+    walls.positions = [-1.0f32, 1.0]
+        .into_iter()
+        .flat_map(|x| [0.0, 2.0].map(|y| (x, y)))
+        .flat_map(|(x, y)| [-4.0, 4.0].map(|z| Vec3::new(x, y, z)))
+        .collect();
+    (walls.normals, walls.uvs) = (Vec::new(), Vec::new());
+    // Counter-clockwise from inside: corners are numbered 4·x + 2·y + z.
+    walls.indices = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ]
+    .into_iter()
+    .flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]])
+    .collect();
+    let (albedo, shines) = (0.5, 0.25);
+    let material = &mut scene.materials[walls.material];
+    material.base_colour = Vec3::splat(albedo).extend(1.0);
+    material.emissive = Vec3::splat(shines);
+    scene.meshes[mesh].primitives = vec![walls];
+    let mut world = World::new(scene, [24, 24]).expect("a sound scene");
+    let light = super::reference::reference(&mut world, 0.0, 600);
+    let (found, expected) = (mean(&light).x, shines / (1.0 - albedo));
+    assert!((found / expected - 1.0).abs() < 0.01, "{found} {expected}");
+}
+
+#[test]
+fn interleaving_comes_close_to_the_reference_and_refines_where_it_must() {
+    use super::framed::{MOST, Refinement, render};
+    for name in ["cornell", "forest", "cornell-mist"] {
+        let scene = builtin(name).expect("built in");
+        let mut world = World::new(scene, [48, 48]).expect("a sound scene");
+        let truth = super::reference::reference(&mut world, 0.0, 600);
+        let plain = render(&mut world, 0.0, Refinement::Plain([1; 3]));
+        let adaptive = render(&mut world, 0.0, Refinement::Adaptive);
+        let all = render(&mut world, 0.0, Refinement::All);
+        let [p, a, m] = [&plain, &adaptive, &all].map(|f| apart(&f.light, &truth));
+        assert!(
+            m < p && a < p && m < 9.0,
+            "{name}: plain {p} adaptive {a} all {m}"
+        );
+        let rays = [&plain, &adaptive, &all].map(|f| f.rays.total());
+        assert!(rays[0] < rays[1] && rays[1] < rays[2], "{name}: {rays:?}");
+        for layer in &adaptive.layers {
+            let (least, most) = (layer.samples.iter().min(), layer.samples.iter().max());
+            assert_eq!(least, Some(&1), "{name} {}", layer.name);
+            assert!(most > Some(&3), "{name} {}: {most:?}", layer.name);
+        }
+        assert!(all.layers.iter().all(|l| l.mean() == f64::from(MOST)));
+        for (effect, rays) in adaptive.rays.by_effect() {
+            let shown = adaptive.layers.iter().any(|l| l.name == effect);
+            assert_eq!(rays > 0, shown, "{name} {effect}");
+        }
+    }
+}
+
+#[test]
+fn sets_are_disjoint_and_each_is_well_spread() {
+    let sets = super::sets::Sets::new(9, 9);
+    let mut all = Vec::new();
+    for set in 0..9 {
+        let of_set: Vec<[f32; 2]> = (0..9).map(|p| sets.point(p, set)).collect();
+        // Nine points: three in a third of either axis, give or take two.
+        for axis in 0..2 {
+            for third in 0..3 {
+                let n = of_set
+                    .iter()
+                    .filter(|p| (p[axis] * 3.0) as i32 == third)
+                    .count();
+                assert!((1..=5).contains(&n), "set {set}, axis {axis}: {n}");
+            }
+        }
+        all.extend(of_set.iter().map(|p| p.map(f32::to_bits)));
+    }
+    all.sort_unstable();
+    all.dedup();
+    assert_eq!(all.len(), 81);
 }

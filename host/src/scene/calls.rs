@@ -19,8 +19,8 @@ pub struct Effect {
 
 /// All effects there are, in a fixed order, each with the scene's call for it.
 ///
-/// `indirect_diffuse` is never called for yet: light between matt surfaces is the ambient term
-/// of the sky, and no scene can ask for more.
+/// Light between matt surfaces is the ambient term of the sky unless the scene says
+/// `indirect`.
 #[must_use]
 pub fn effects(scene: &Scene) -> Vec<Effect> {
     let animation = Animation::new(scene);
@@ -101,8 +101,10 @@ pub fn effects(scene: &Scene) -> Vec<Effect> {
         ),
         entry(
             "indirect_diffuse",
-            None,
-            "stands as the ambient term of the sky in every scene",
+            scene
+                .indirect
+                .then(|| "extras.indirect of the scene".to_owned()),
+            "the ambient term of the sky stands for it",
         ),
         entry(
             "medium",
@@ -252,7 +254,7 @@ mod tests {
         };
         // What is done to the scene, the effects that it then calls for, whom the last one names.
         type Case<'a> = (&'a dyn Fn(&mut Scene), &'a [&'a str], &'a str);
-        let cases: [Case<'_>; 11] = [
+        let cases: [Case<'_>; 12] = [
             (
                 &|s| s.nodes[0].light = Some(light(LightKind::Point)),
                 &["direct_light", "hard_shadows"],
@@ -289,6 +291,7 @@ mod tests {
                 &["medium"],
                 "0.75",
             ),
+            (&|s| s.indirect = true, &["indirect_diffuse"], "extras"),
             (
                 &|s| {
                     s.nodes[2].camera = Some(Lens {

@@ -25,6 +25,9 @@ pub struct Scene {
     pub sky: Sky,
     /// A homogeneous medium, if any.
     pub medium: Option<Medium>,
+    /// Whether light goes on from matt surfaces to others; else the sky's ambient term stands
+    /// for it.
+    pub indirect: bool,
 }
 
 /// A node of the hierarchy: local transform and what hangs on it.

@@ -8,7 +8,9 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Vec3, Vec3A};
 
+use super::shade::lifted;
 use crate::effects::area::Surface;
+use crate::effects::vpl::cosine;
 use crate::scene::animate::Animation;
 use crate::scene::model::{Light, LightKind, Node, Primitive, Scene};
 
@@ -114,6 +116,59 @@ impl Lamp {
         }
     }
 
+    /// A path that leaves the lamp: origin, unit direction, and flux, W, such that its mean over
+    /// numbers in 0..1 is all the lamp's light. `ball` is what directional light shines on.
+    pub(crate) fn emit(
+        &self,
+        place: &Place,
+        pose: impl FnOnce() -> Affine3A,
+        where_on: [f32; 2],
+        whither: [f32; 2],
+        ball: (Vec3, f32),
+    ) -> Option<(Vec3, Vec3, Vec3)> {
+        match &self.shape {
+            Shape::Punctual(light) => {
+                let around = |axis: Vec3, radius: f32, angle: f32| {
+                    let (a, b) = axis.any_orthonormal_pair();
+                    let angle = std::f32::consts::TAU * angle;
+                    (a * angle.cos() + b * angle.sin()) * radius
+                };
+                if light.kind == LightKind::Directional {
+                    let (centre, radius) = ball;
+                    let aside = around(place.axis, radius * where_on[0].sqrt(), where_on[1]);
+                    let flux = light.intensity * (std::f32::consts::PI * radius * radius);
+                    return Some((centre - place.axis * radius + aside, place.axis, flux));
+                }
+                // Uniform over the sphere, or over a spot's cone.
+                let least = match light.kind {
+                    LightKind::Spot { outer, .. } => outer.cos(),
+                    _ => -1.0,
+                };
+                let cos = 1.0 - whither[0] * (1.0 - least);
+                let sin = (1.0 - cos * cos).max(0.0).sqrt();
+                let direction = place.axis * cos + around(place.axis, sin, whither[1]);
+                let nowhere = || ([0.5; 2], Affine3A::IDENTITY);
+                let lit = self.incoming(place, place.position + direction, nowhere)?;
+                let solid = std::f32::consts::TAU * (1.0 - least);
+                Some((place.position, direction, lit.irradiance * solid))
+            }
+            Shape::Emitter { surface, radiance } => {
+                let (at, mut normal) = surface.point(where_on, &pose());
+                let mut whither = whither;
+                let mut sides = 1.0;
+                if !surface.one_sided {
+                    sides = 2.0;
+                    if whither[1] < 0.5 {
+                        normal = -normal;
+                    }
+                    whither[1] = (whither[1] * 2.0).fract();
+                }
+                let flux = *radiance * (std::f32::consts::PI * place.total * sides);
+                Some((lifted(at, normal), cosine(normal, whither), flux))
+            }
+        }
+    }
+
     /// Its node.
     pub(crate) fn node(&self) -> usize {
         self.node
@@ -206,8 +261,9 @@ fn primitives<'a>(scene: &'a Scene, node: &Node) -> &'a [Primitive] {
 
 /// Power (up to a factor) and lamp of an emissive primitive.
 fn emitter(scene: &Scene, node: usize, primitive: &Primitive) -> Option<(f32, Lamp)> {
-    let surface = Surface::new(primitive)?;
-    let radiance = scene.materials[primitive.material].emissive;
+    let material = &scene.materials[primitive.material];
+    let surface = Surface::new(primitive, material.double_sided)?;
+    let radiance = material.emissive;
     let power = radiance.max_element() * surface.total;
     let shape = Shape::Emitter {
         surface: Arc::new(surface),

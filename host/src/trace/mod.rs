@@ -5,14 +5,14 @@
 
 pub mod camera;
 mod check;
-mod cone;
+pub(crate) mod cone;
 mod epoch;
 mod geometry;
 mod ideal;
-mod light;
-mod moment;
+pub(crate) mod light;
+pub(crate) mod moment;
 pub mod pattern;
-mod shade;
+pub(crate) mod shade;
 mod skin;
 pub mod srgb;
 #[cfg(test)]
@@ -59,18 +59,21 @@ pub struct Rays {
     pub refraction: u32,
     /// From within a medium towards lights.
     pub medium: u32,
+    /// From surfaces towards virtual point lights.
+    pub indirect: u32,
 }
 
 impl Rays {
     /// Rays by the name of the effect that called for them (as in `scene::calls`).
     #[must_use]
-    pub fn by_effect(&self) -> [(&'static str, u32); 5] {
+    pub fn by_effect(&self) -> [(&'static str, u32); 6] {
         [
             ("hard_shadows", self.shadow),
             ("soft_shadows", self.soft),
             ("mirror", self.bounce),
             ("refraction", self.refraction),
             ("medium", self.medium),
+            ("indirect_diffuse", self.indirect),
         ]
     }
 
@@ -89,5 +92,6 @@ impl std::ops::AddAssign for Rays {
         self.bounce += other.bounce;
         self.refraction += other.refraction;
         self.medium += other.medium;
+        self.indirect += other.indirect;
     }
 }

@@ -9,7 +9,7 @@ use super::cone::{Cone, Footprint};
 use super::epoch::{blend, blend_cameras};
 use super::geometry::{Attributes, Met, Spot};
 use super::light::Place;
-use super::shade::{Path, Shader};
+use super::shade::{Path, Shader, lifted};
 use super::world::World;
 use super::{Hit, Rays};
 
@@ -40,6 +40,13 @@ pub(crate) struct Struck {
     pub(crate) front: bool,
     /// Texture coordinates, colour, material, object; the rest is in local coordinates.
     pub(crate) spot: Spot,
+}
+
+impl Struck {
+    /// Where rays that leave on the near side start.
+    pub(crate) fn clear(&self) -> Vec3 {
+        lifted(self.place, self.flat)
+    }
 }
 
 /// Which hierarchy a triangle is in.

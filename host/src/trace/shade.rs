@@ -84,11 +84,91 @@ impl<'a> Shader<'a> {
         if material.unlit {
             return base;
         }
-        let mut light = self.emitted(material, &seen);
-        // What is left for direct light after mirror and glass have taken their share.
+        let (light, share) = self.own(struck, path, &seen, base);
+        if share * path.weight.max_element() <= NEGLIGIBLE {
+            return light;
+        }
+        let mirror = mirrors(material);
+        let metallic = if mirror { 0.0 } else { material.metallic };
+        let glossy = !mirror && (metallic > 0.0 || material.roughness < GLOSSY);
+        let response = Response {
+            albedo: base * (1.0 - metallic),
+            f0: Vec3::splat(0.04).lerp(base, metallic),
+            alpha: glossy.then(|| material.roughness.max(MIRROR_ROUGHNESS).powi(2)),
+        };
+        let direct = self.direct(struck, path.direction, &response, path.weight * share);
+        let ambient = if scene.indirect {
+            self.indirect(struck)
+        } else {
+            scene.sky.ambient
+        };
+        light + (base * ambient + direct) * share
+    }
+
+    /// Diffuse reflectance at a place, and the light that does not come by it.
+    pub(crate) fn split(&mut self, struck: &Struck, path: &Path) -> (Vec3, Vec3) {
+        let scene = &self.moment.world.scene;
+        let material = &scene.materials[struck.spot.material as usize];
+        let seen = path.cone.footprint(
+            struck.spot.uv,
+            struck.spot.gradients,
+            struck.flat,
+            path.direction,
+        );
+        let base = self.base(struck, material, &seen);
+        if material.unlit {
+            return (Vec3::ZERO, base);
+        }
+        let (light, share) = self.own(struck, path, &seen, base);
+        (diffuse(material, base) * share, light)
+    }
+
+    /// Diffuse reflectance where a path of diffuse bounces meets a surface.
+    pub(crate) fn albedo(&self, struck: &Struck) -> Vec3 {
+        let material = &self.moment.world.scene.materials[struck.spot.material as usize];
+        if material.unlit {
+            return Vec3::ZERO;
+        }
+        let base = self.base(struck, material, &Footprint::point(struck.spot.uv));
+        let share = if mirrors(material) {
+            1.0 - material.metallic
+        } else {
+            1.0 - material.transmission * (1.0 - material.metallic)
+        };
+        diffuse(material, base) * share
+    }
+
+    /// Irradiance/π from one virtual point light for all.
+    fn indirect(&mut self, struck: &Struck) -> Vec3 {
+        let lights = &self.moment.world.vpls;
+        let [at, _] = random(&mut self.seed);
+        let Some(vpl) = lights.get((at * lights.len() as f32) as usize) else {
+            return Vec3::ZERO;
+        };
+        let Some((towards, distance, light)) = vpl.incoming(struck.place, struck.smooth) else {
+            return Vec3::ZERO;
+        };
+        self.rays.indirect += 1;
+        let origin = struck.clear();
+        if self.moment.blocked(origin, towards, distance * 0.999) {
+            return Vec3::ZERO;
+        }
+        let passing = self.moment.between(origin, towards, distance);
+        light * (passing * lights.len() as f32 * FRAC_1_PI)
+    }
+
+    /// Light that is not reflected diffusely: emission, mirror and glass; and the share that
+    /// these leave for the lamps.
+    fn own(&mut self, struck: &Struck, path: &Path, seen: &Footprint, base: Vec3) -> (Vec3, f32) {
+        let scene = &self.moment.world.scene;
+        let material = &scene.materials[struck.spot.material as usize];
+        let mut light = if struck.front || material.double_sided {
+            self.emitted(material, seen)
+        } else {
+            Vec3::ZERO
+        };
         let mut share = 1.0;
-        let mirror = material.metallic > 0.0 && material.roughness <= MIRROR_ROUGHNESS;
-        if mirror {
+        if mirrors(material) {
             let cos = -path.direction.dot(struck.smooth);
             let tint = schlick(base, cos) * material.metallic;
             self.rays.bounce += self.worth_following(path, tint);
@@ -99,18 +179,7 @@ impl<'a> Shader<'a> {
             light += self.glass(struck, material, path, base * part);
             share -= part;
         }
-        if share * path.weight.max_element() <= NEGLIGIBLE {
-            return light;
-        }
-        let metallic = if mirror { 0.0 } else { material.metallic };
-        let glossy = !mirror && (metallic > 0.0 || material.roughness < GLOSSY);
-        let response = Response {
-            albedo: base * (1.0 - metallic),
-            f0: Vec3::splat(0.04).lerp(base, metallic),
-            alpha: glossy.then(|| material.roughness.max(MIRROR_ROUGHNESS).powi(2)),
-        };
-        let direct = self.direct(struck, path.direction, &response, path.weight * share);
-        light + (base * scene.sky.ambient + direct) * share
+        (light, share)
     }
 
     fn base(&self, struck: &Struck, material: &Material, seen: &Footprint) -> Vec3 {
@@ -277,21 +346,23 @@ impl<'a> Shader<'a> {
         let [at, _] = random(&mut self.seed);
         let (s, weight) = medium.distance(inside.length(), at);
         let place = origin + direction * (inside.from + s);
-        let mut thrown = Vec3::ZERO;
-        for (i, lamp) in moment.world.lamps.iter().enumerate() {
-            let seed = &mut self.seed;
-            let point = || (random(seed), moment.lamp_pose(i));
-            let Some(lit) = lamp.incoming(&moment.lamp(i), place, point) else {
-                continue;
-            };
-            self.rays.medium += 1;
-            if !moment.blocked(place, lit.towards, lit.distance * 0.9999) {
-                let passing = medium.between(place, lit.towards, lit.distance);
-                let phase = medium.phase(direction.dot(lit.towards));
-                thrown += lit.irradiance * (passing * phase);
-            }
-        }
-        light * medium.transmittance(inside.length()) + thrown * (medium.sigma_s * weight)
+        let point = random(&mut self.seed);
+        let (thrown, ..) = moment.thrown(place, direction, point, &mut self.rays.medium);
+        light * medium.transmittance(inside.length()) + thrown * weight
+    }
+}
+
+/// Whether a material reflects rays.
+fn mirrors(material: &Material) -> bool {
+    material.metallic > 0.0 && material.roughness <= MIRROR_ROUGHNESS
+}
+
+/// Diffuse reflectance, apart from the share of mirror and glass.
+fn diffuse(material: &Material, base: Vec3) -> Vec3 {
+    if mirrors(material) {
+        base
+    } else {
+        base * (1.0 - material.metallic)
     }
 }
 
@@ -331,6 +402,6 @@ fn schlick(f0: Vec3, cos: f32) -> Vec3 {
 
 /// A ray origin clear of the surface that it starts from, on the side of `normal`. The lift
 /// grows with the coordinates, as their rounding does.
-fn lifted(place: Vec3, normal: Vec3) -> Vec3 {
+pub(crate) fn lifted(place: Vec3, normal: Vec3) -> Vec3 {
     place + normal * (3e-5 * place.abs().max_element().max(1.0))
 }

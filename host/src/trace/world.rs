@@ -22,6 +22,7 @@ use super::light::{Lamp, Place, lights_others};
 use super::moment::Moment;
 use super::skin::Skinned;
 use super::texture::Sampler;
+use crate::effects::vpl::{self, Vpl};
 use crate::scene::animate::Animation;
 use crate::scene::model::{Lens, MIRROR_ROUGHNESS, Primitive, Scene};
 
@@ -64,6 +65,8 @@ pub struct World {
     pub(crate) object_frames: Vec<usize>,
     object_bounds: Vec<Aabb>,
     pub(crate) lamps: Vec<Lamp>,
+    /// Of the prepared stretch, when the scene calls for indirect light.
+    pub(crate) vpls: Vec<Vpl>,
     camera: Option<(usize, Lens)>,
     pub(crate) epoch: Epoch,
 }
@@ -136,6 +139,7 @@ impl World {
             object_bounds: Vec::new(),
             object_frames,
             lamps: Lamp::all(&scene),
+            vpls: Vec::new(),
             camera,
             epoch,
             scene,
@@ -272,6 +276,9 @@ impl World {
             let (mut corners, mut normals) = (Vec::new(), Vec::new());
             skinned.pose(&self.scene, &self.poses, &mut corners, &mut normals);
             self.skin.refit(&corners, &normals);
+        }
+        if self.scene.indirect {
+            self.vpls = vpl::scatter(&self.moment(0.5 * (t0 + t1)), vpl::LIGHTS);
         }
     }
 

@@ -1,6 +1,7 @@
 //! The commands, one module each.
 
 pub mod cost;
+pub mod effects;
 pub mod eval;
 pub mod inspect;
 pub mod live;

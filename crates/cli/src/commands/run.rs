@@ -165,6 +165,7 @@ fn ledger(outcome: &Outcome) -> Value {
             "soft": outcome.rays.soft,
             "refraction": outcome.rays.refraction,
             "medium": outcome.rays.medium,
+            "indirect": outcome.rays.indirect,
         },
         "wire": packets,
         "sample_bits": {

@@ -20,6 +20,7 @@ fn dim(ambient: f32) -> Sky {
 /// A box of 2 m, red to the left and green to the right, with a lamp in its ceiling.
 pub(super) fn cornell(name: &str, mist: bool) -> Scene {
     let mut stage = Stage::new(name, 4.0, dim(0.03));
+    stage.indirect();
     let white = stage.matt("white", [0.73, 0.73, 0.73]);
     let red = stage.matt("red", [0.65, 0.05, 0.05]);
     let green = stage.matt("green", [0.12, 0.45, 0.15]);
@@ -66,6 +67,7 @@ pub(super) fn cornell(name: &str, mist: bool) -> Scene {
 /// Desks and shelves under two long lamps.
 pub(super) fn office() -> Scene {
     let mut stage = Stage::new("office", 6.0, dim(0.05));
+    stage.indirect();
     let carpet = stage.patterned(
         "carpet",
         [0.3, 0.33, 0.4],
@@ -185,6 +187,7 @@ pub(super) fn forest(name: &str, mist: bool) -> Scene {
 /// A lamp behind slats in a hazy room: shafts of light.
 pub(super) fn slats() -> Scene {
     let mut stage = Stage::new("slats", 5.0, dim(0.02));
+    stage.indirect();
     let wall = stage.matt("wall", [0.6, 0.56, 0.5]);
     let slat = stage.matt("slat", [0.25, 0.2, 0.16]);
     let ball = stage.matt("ball", [0.75, 0.25, 0.15]);
@@ -206,7 +209,7 @@ pub(super) fn slats() -> Scene {
             .done(),
         blind.done(),
         Shape::of(lamp)
-            .quad(Vec3::new(-1.9, 1.5, -0.2), Vec3::Z * 0.4, Vec3::Y * 0.4)
+            .quad(Vec3::new(-1.9, 1.5, -0.2), Vec3::Y * 0.4, Vec3::Z * 0.4)
             .done(),
     ];
     stage.solid("room", None, Vec3::ZERO, parts);

@@ -73,10 +73,12 @@ impl Stage {
         material
     }
 
-    /// A matt material that shines with `radiance`, W/(m²·sr): its meshes are area lights.
+    /// A matt material that shines with `radiance`, W/(m²·sr): its meshes are area lights, from their
+    /// front.
     pub(super) fn glow(&mut self, name: &str, radiance: [f32; 3]) -> usize {
         let material = self.matt(name, [0.0; 3]);
         self.0.materials[material].emissive = radiance.into();
+        self.0.materials[material].double_sided = false;
         material
     }
 
@@ -89,6 +91,11 @@ impl Stage {
             sigma_a: 0.1 * scattering,
             g,
         });
+    }
+
+    /// Calls for light between matt surfaces.
+    pub(super) fn indirect(&mut self) {
+        self.0.indirect = true;
     }
 
     /// A node without anything on it.

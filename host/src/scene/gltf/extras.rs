@@ -57,6 +57,11 @@ pub(super) fn medium(root: &Value) -> Result<Option<Medium>, Fault> {
     Ok(Some(medium).filter(|m| m.sigma_s + m.sigma_a > 0.0))
 }
 
+/// `extras.indirect = true` of the root: the scene calls for indirect diffuse light.
+pub(super) fn indirect(root: &Value) -> bool {
+    root.get("indirect").and_then(Value::as_bool) == Some(true)
+}
+
 /// `extras.unframed.sky = {zenith, horizon, ambient}` of the root, written by the exporter.
 pub(super) fn sky(root: &Value) -> Result<Option<Sky>, Fault> {
     let Some(value) = root.get("unframed").and_then(|u| u.get("sky")) else {

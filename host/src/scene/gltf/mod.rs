@@ -172,6 +172,7 @@ fn assemble(
         duration,
         sky: sky.unwrap_or_default(),
         medium: extras::medium(&root)?,
+        indirect: extras::indirect(&root),
     };
     Ok((scene, open))
 }

@@ -109,6 +109,9 @@ pub fn export(scene: &Scene) -> Result<Vec<u8>, ExportError> {
             "ambient": sky.ambient.to_array(),
         } } },
     });
+    if scene.indirect {
+        root["extras"]["indirect"] = json!(true);
+    }
     if let Some(m) = &scene.medium {
         root["extras"]["medium"] = json!({
             "aabb": [m.min.to_array(), m.max.to_array()],

@@ -166,6 +166,7 @@ pub(super) fn small_scene() -> Scene {
             horizon: Vec3::splat(0.5),
             ambient: Vec3::splat(0.1),
         },
+        indirect: true,
         medium: Some(Medium {
             min: Vec3::NEG_ONE,
             max: Vec3::ONE,
@@ -218,6 +219,7 @@ fn a_scene_comes_back_as_it_was() {
     assert_same_nodes(&scene, &other);
     assert_eq!(other.materials, scene.materials);
     assert_eq!((other.sky, other.medium), (scene.sky, scene.medium));
+    assert!(other.indirect && scene.indirect);
     for (a, b) in scene.meshes.iter().zip(&other.meshes) {
         assert_eq!(
             (&a.name, format!("{:?}", a.primitives)),

@@ -1,0 +1,185 @@
+//! `unframed effects`: the tables of Dubla et al. 2009 in shape, on scenes of ours.
+//!
+//! Columns are methods: `adaptive` (the paper's AIS), `all` (A-MAX: every pattern refined as far
+//! as it goes) and `plain` (interleaved sampling with the same number of samples everywhere, as
+//! near as whole numbers come to what `adaptive` took).
+
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use serde_json::{Value, json};
+use unframed_host::effects::framed::{Frame, MOST, Refinement, render};
+use unframed_host::effects::reference::reference;
+use unframed_host::scene::open;
+use unframed_host::trace::{World, srgb};
+use unframed_metrics::{Image, Viewing, flip, rmse};
+
+use super::{bar, make_out};
+use crate::args::EffectsArgs;
+use crate::report::Picture;
+
+/// The components, in the order of [`Refinement::Plain`].
+const COMPONENTS: [&str; 3] = ["soft_shadows", "indirect_diffuse", "medium"];
+
+/// A method's frame of a scene.
+struct Found {
+    name: &'static str,
+    frame: Frame,
+    /// The quickest frame, seconds.
+    seconds: f64,
+}
+
+/// Renders, compares, writes `report.json` and pictures, prints the tables.
+///
+/// # Errors
+/// A scene cannot be opened, a file not be written.
+pub fn effects(args: &EffectsArgs) -> Result<()> {
+    make_out(&args.out)?;
+    let mut rows = Vec::new();
+    let progress = bar(args.scenes.len() as u64, "effects");
+    println!(
+        "| scene | adaptive, ms | all, ms | speed-up | plain, ms | Mray adaptive / all / plain \
+         | RMSE | FLIP |\n|---|---|---|---|---|---|---|---|"
+    );
+    for name in &args.scenes {
+        rows.push(scene(args, name)?);
+        progress.inc(1);
+    }
+    progress.finish_and_clear();
+    let number = |row: &Value, at: &str| row.pointer(at).and_then(Value::as_f64);
+    let mean = |of: &dyn Fn(&Value) -> Option<f64>| {
+        let all: Vec<f64> = rows.iter().filter_map(of).collect();
+        all.iter().sum::<f64>() / all.len().max(1) as f64
+    };
+    let speed_up = mean(&|r| number(r, "/speed_up"));
+    let worse = mean(&|r| {
+        Some(number(r, "/methods/adaptive/flip")? / number(r, "/methods/all/flip")? - 1.0)
+    });
+    println!(
+        "mean speed-up over all: {speed_up:.2}; mean FLIP against all: {:+.1} %",
+        100.0 * worse
+    );
+    let report = json!({
+        "size": [args.size.width, args.size.height],
+        "reference_paths": args.reference,
+        "scenes": rows,
+        "mean_speed_up": speed_up,
+        "mean_flip_increase": worse,
+    });
+    let path = args.out.join("report.json");
+    std::fs::write(&path, serde_json::to_vec_pretty(&report)?)
+        .with_context(|| format!("cannot write {}", path.display()))
+}
+
+/// A scene's row.
+fn scene(args: &EffectsArgs, name: &str) -> Result<Value> {
+    let scene = open::open(name, None)?.scene;
+    let size = [args.size.width, args.size.height].map(u32::from);
+    let mut world = World::new(scene, size)?;
+    let slug = world.scene().name.clone();
+    let truth = reference(&mut world, args.at, args.reference);
+    let ideal = Picture::new(size[0] as usize, size[1] as usize, codes(&truth))?;
+    ideal.write_png(&args.out.join(format!("{slug}-reference.png")))?;
+
+    let adaptive = timed(args, &mut world, "adaptive", Refinement::Adaptive);
+    let like = COMPONENTS.map(|component| {
+        let layer = adaptive.frame.layers.iter().find(|l| l.name == component);
+        layer.map_or(1, |l| l.mean().round() as u32)
+    });
+    let all = timed(args, &mut world, "all", Refinement::All);
+    let plain = timed(args, &mut world, "plain", Refinement::Plain(like));
+    let speed_up = all.seconds / adaptive.seconds;
+    let mut methods = serde_json::Map::new();
+    let mut errors = Vec::new();
+    for found in [&adaptive, &all, &plain] {
+        let shown = Picture::new(
+            size[0] as usize,
+            size[1] as usize,
+            codes(&found.frame.light),
+        )?;
+        shown.write_png(&args.out.join(format!("{slug}-{}.png", found.name)))?;
+        let (a, b) = (view(&ideal)?, view(&shown)?);
+        let (rmse, flip) = (rmse(a, b)?, flip(a, b, Viewing::default())?);
+        errors.push((rmse, flip));
+        let layers: serde_json::Map<_, _> = found
+            .frame
+            .layers
+            .iter()
+            .map(|l| (l.name.to_owned(), json!(l.mean())))
+            .collect();
+        let by_effect: serde_json::Map<_, _> = found
+            .frame
+            .rays
+            .by_effect()
+            .into_iter()
+            .map(|(effect, rays)| (effect.to_owned(), json!(rays)))
+            .collect();
+        methods.insert(
+            found.name.to_owned(),
+            json!({
+                "seconds": found.seconds, "rays": found.frame.rays.total(), "by_effect": by_effect,
+                "samples_per_pixel": layers, "rmse": rmse, "flip": flip,
+            }),
+        );
+    }
+    for layer in &adaptive.frame.layers {
+        let map: Vec<[u8; 3]> = layer.samples.iter().map(|&n| heat(n)).collect();
+        let width = layer.width as usize;
+        let picture = Picture::new(width, map.len() / width, map)?;
+        picture.write_png(&args.out.join(format!("{slug}-{}.png", layer.name)))?;
+    }
+    let three = |of: &dyn Fn(usize) -> String| (0..3).map(of).collect::<Vec<_>>().join(" / ");
+    let rays = [&adaptive, &all, &plain].map(|f| f64::from(f.frame.rays.total()) * 1e-6);
+    println!(
+        "| {slug} | {:.1} | {:.1} | {speed_up:.2} | {:.1} | {} | {} | {} |",
+        adaptive.seconds * 1e3,
+        all.seconds * 1e3,
+        plain.seconds * 1e3,
+        three(&|i| format!("{:.2}", rays[i])),
+        three(&|i| format!("{:.2}", errors[i].0)),
+        three(&|i| format!("{:.4}", errors[i].1)),
+    );
+    Ok(json!({ "scene": slug, "speed_up": speed_up, "methods": methods }))
+}
+
+fn view(picture: &Picture) -> Result<Image<'_>> {
+    Ok(Image::new(
+        picture.pixels(),
+        picture.width(),
+        picture.height(),
+    )?)
+}
+
+/// Blue where one sample sufficed, red where it did not, the brighter the more (the paper's
+/// Figs 3 to 5).
+fn heat(samples: u8) -> [u8; 3] {
+    let more = u32::from(samples.saturating_sub(1));
+    if more == 0 {
+        return [20, 30, 130];
+    }
+    [(75 + 180 * more / (MOST - 1)) as u8, 20, 20]
+}
+
+fn codes(light: &[glam::Vec3]) -> Vec<[u8; 3]> {
+    light.iter().map(|&l| srgb::encode8(l)).collect()
+}
+
+fn timed(
+    args: &EffectsArgs,
+    world: &mut World,
+    name: &'static str,
+    refinement: Refinement,
+) -> Found {
+    let mut frame = render(world, args.at, refinement);
+    let mut seconds = f64::INFINITY;
+    for _ in 0..args.frames.max(1) {
+        let clock = Instant::now();
+        frame = render(world, args.at, refinement);
+        seconds = seconds.min(clock.elapsed().as_secs_f64());
+    }
+    Found {
+        name,
+        frame,
+        seconds,
+    }
+}

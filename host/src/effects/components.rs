@@ -1,0 +1,153 @@
+//! The components that are interleaved: what each samples and what it tells the guidance
+//! (Dubla et al. 2009, Listings 2 to 4).
+
+use std::f32::consts::FRAC_1_PI;
+
+use glam::Vec3;
+
+use super::deferred::Deferred;
+use super::sets::Sets;
+use super::vpl::Vpl;
+use crate::trace::Rays;
+use crate::trace::moment::Moment;
+
+/// Steps of the march through a medium.
+const STEPS: u32 = 8;
+/// Distance, metres, below which a lamp's halo needs care, less the extinction (Listing 4).
+const HALO: f32 = 1.0;
+
+/// One effect of a frame.
+pub(crate) trait Component: Sync {
+    /// Light that sample `set` of pattern pixel `pixel` finds, and what it tells about the need
+    /// of more (0..=1).
+    fn sample(&self, at: &Deferred, pixel: u32, set: u32, rays: &mut Rays) -> (Vec3, f32);
+
+    /// The share of the most refinement that a pattern needs, 0..=1, from what its pixels told.
+    fn guidance(&self, told: &[f32]) -> f32;
+}
+
+fn mean(told: &[f32]) -> f32 {
+    told.iter().sum::<f32>() / told.len().max(1) as f32
+}
+
+/// Soft shadows: irradiance/π from area lights.
+pub(crate) struct SoftShadows<'a> {
+    pub(crate) moment: &'a Moment<'a>,
+    pub(crate) sets: &'a Sets,
+}
+
+impl Component for SoftShadows<'_> {
+    fn sample(&self, at: &Deferred, pixel: u32, set: u32, rays: &mut Rays) -> (Vec3, f32) {
+        let Some(struck) = &at.struck else {
+            return (Vec3::ZERO, 0.0);
+        };
+        let (mut light, mut missed, mut lamps) = (Vec3::ZERO, 0.0, 0.0);
+        for lamp in self.moment.area_lamps() {
+            let point = self.sets.point(pixel, set);
+            lamps += 1.0;
+            match self.moment.direct(lamp, struck, point, &mut rays.soft) {
+                Some(arriving) => light += arriving * FRAC_1_PI,
+                None => missed += 1.0,
+            }
+        }
+        (light, if lamps > 0.0 { missed / lamps } else { 0.0 })
+    }
+
+    /// Listing 3: the share that is hidden, unless all or nothing is.
+    fn guidance(&self, told: &[f32]) -> f32 {
+        let refine = mean(told);
+        if refine < 1.0 { refine } else { 0.0 }
+    }
+}
+
+/// Indirect diffuse: irradiance/π from virtual point lights, one subset a sample.
+pub(crate) struct Indirect<'a> {
+    pub(crate) moment: &'a Moment<'a>,
+    pub(crate) lights: &'a [Vpl],
+    /// Number of subsets: pixels of the pattern.
+    pub(crate) subsets: u32,
+}
+
+impl Component for Indirect<'_> {
+    fn sample(&self, at: &Deferred, pixel: u32, set: u32, rays: &mut Rays) -> (Vec3, f32) {
+        let Some(struck) = &at.struck else {
+            return (Vec3::ZERO, 0.0);
+        };
+        let subset = (pixel + set) % self.subsets;
+        let (mut light, mut missed, mut tried) = (Vec3::ZERO, 0.0f32, 0.0f32);
+        let every = self.subsets as usize;
+        for vpl in self.lights.iter().skip(subset as usize).step_by(every) {
+            let Some((towards, distance, arriving)) = vpl.incoming(struck.place, struck.smooth)
+            else {
+                continue;
+            };
+            rays.indirect += 1;
+            tried += 1.0;
+            let origin = struck.clear();
+            if self.moment.blocked(origin, towards, distance * 0.999) {
+                missed += 1.0;
+            } else {
+                light += arriving * self.moment.between(origin, towards, distance);
+            }
+        }
+        let scale = self.subsets as f32 * FRAC_1_PI;
+        (light * scale, missed / tried.max(1.0))
+    }
+
+    /// Listing 2: the mean share of hidden lights.
+    fn guidance(&self, told: &[f32]) -> f32 {
+        mean(told)
+    }
+}
+
+/// A medium: light thrown towards the eye.
+pub(crate) struct Haze<'a> {
+    pub(crate) moment: &'a Moment<'a>,
+    pub(crate) sets: &'a Sets,
+    /// Pixels of the pattern and number of sets.
+    pub(crate) pattern: [u32; 2],
+}
+
+impl Component for Haze<'_> {
+    fn sample(&self, at: &Deferred, pixel: u32, set: u32, rays: &mut Rays) -> (Vec3, f32) {
+        let Some(medium) = self.moment.medium() else {
+            return (Vec3::ZERO, 0.0);
+        };
+        let Some(inside) = medium.stretch(at.eye, at.direction, at.distance) else {
+            return (Vec3::ZERO, 0.0);
+        };
+        // Each pixel has a part of the step, each set a part of that (§3.4).
+        let [pixels, sets] = self.pattern.map(|n| n as f32);
+        let offset = (pixel as f32 + (set as f32 + 0.5) / sets) / pixels;
+        let step = inside.length() / STEPS as f32;
+        let (mut light, mut missed, mut halo) = (Vec3::ZERO, 0.0, 0.0);
+        for i in 0..STEPS {
+            let s = (i as f32 + offset) * step;
+            let place = at.eye + at.direction * (inside.from + s);
+            let point = self.sets.point(pixel, set);
+            let (thrown, hidden, nearest) =
+                self.moment
+                    .thrown(place, at.direction, point, &mut rays.medium);
+            light += thrown * (medium.transmittance(s) * step);
+            missed += hidden;
+            if nearest < HALO - medium.extinction() {
+                halo += 1.0;
+            }
+        }
+        // Listing 4: both shares where they are neither none nor all.
+        let (mut value, mut parts) = (0.0, 0.0);
+        for share in [missed / STEPS as f32, halo / STEPS as f32] {
+            if share > 0.0 && share < 1.0 {
+                value += share;
+                parts += 1.0;
+            }
+        }
+        (light, if parts > 1.0 { value / parts } else { value })
+    }
+
+    /// Listing 4: the share of pixels that differ from the one before.
+    fn guidance(&self, told: &[f32]) -> f32 {
+        let differ = told.windows(2).filter(|w| w[0] != w[1]).count();
+        differ as f32 / told.len().max(1) as f32
+    }
+}

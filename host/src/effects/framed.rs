@@ -1,0 +1,284 @@
+//! Adaptive interleaved sampling of whole frames (Dubla et al. 2009, §3): for each component an
+//! initial sample a pixel, guidance by pattern, refinement, a filter by component, then albedo.
+
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
+
+use super::components::{Component, Haze, Indirect, SoftShadows};
+use super::deferred::Deferred;
+use super::sets::Sets;
+use super::vpl;
+use crate::trace::{Rays, World};
+
+/// Side of the interleaving pattern, pixels (§4.2).
+const SIDE: u32 = 3;
+/// Pixels of a pattern.
+const PIXELS: u32 = SIDE * SIDE;
+/// Most samples of a component a pixel (§4.2).
+pub const MOST: u32 = 9;
+/// Virtual point lights of a frame (§4.2).
+const LIGHTS: usize = 256;
+
+/// How many samples pixels get, of 1..=[`MOST`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Refinement {
+    /// What each component's guidance asks for ("A" in the paper).
+    Adaptive,
+    /// All there are ("A-MAX").
+    All,
+    /// The same everywhere, by component: soft shadows, indirect diffuse, medium.
+    Plain([u32; 3]),
+}
+
+/// A component of a finished frame.
+#[derive(Clone, Debug)]
+pub struct Layer {
+    /// Name of the effect.
+    pub name: &'static str,
+    /// Samples that each pixel took, rows from the top, at the layer's own resolution.
+    pub samples: Vec<u8>,
+    /// Pixels in a row of the layer.
+    pub width: u32,
+}
+
+impl Layer {
+    /// Mean samples a pixel.
+    #[must_use]
+    pub fn mean(&self) -> f64 {
+        let sum: f64 = self.samples.iter().map(|&n| f64::from(n)).sum();
+        sum / self.samples.len().max(1) as f64
+    }
+}
+
+/// A finished frame.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// Linear light, rows from the top, not clamped.
+    pub light: Vec<Vec3>,
+    /// Rays by effect.
+    pub rays: Rays,
+    /// Layers of the effects that the scene calls for.
+    pub layers: Vec<Layer>,
+}
+
+/// Renders the instant `t`, seconds; the world's prepared epoch is `t` afterwards.
+pub fn render(world: &mut World, t: f64, refinement: Refinement) -> Frame {
+    world.prepare(t, t);
+    let moment = world.moment(t);
+    let [width, height] = world.size();
+    let mut rays = Rays::default();
+    let seen = looks(&moment, [width, height], 1, &mut rays);
+    let hard = |at: &Deferred| {
+        let mut rays = 0;
+        let light = at.struck.as_ref().map_or(Vec3::ZERO, |struck| {
+            moment.ambient() + moment.punctual(struck, &mut rays)
+        });
+        (light, rays)
+    };
+    let (mut light, hard_rays): (Vec<Vec3>, Vec<u32>) = seen.par_iter().map(hard).unzip();
+    rays.shadow += hard_rays.iter().sum::<u32>();
+    let mut layers = Vec::new();
+    let sets = Sets::new(PIXELS, MOST);
+    if moment.area_lamps().next().is_some() {
+        let soft = SoftShadows {
+            moment: &moment,
+            sets: &sets,
+        };
+        let (found, layer) = interleave(
+            &soft,
+            "soft_shadows",
+            &seen,
+            width,
+            refinement,
+            0,
+            &mut rays,
+        );
+        add(&mut light, &filtered(&found, &seen, width));
+        layers.push(layer);
+    }
+    if world.scene().indirect {
+        // At a quarter of the pixels (§4.1).
+        let lights = vpl::scatter(&moment, LIGHTS);
+        let indirect = Indirect {
+            moment: &moment,
+            lights: &lights,
+            subsets: PIXELS,
+        };
+        let half = [width.div_ceil(2), height.div_ceil(2)];
+        let few = looks(&moment, half, 2, &mut Rays::default());
+        let (found, layer) = interleave(
+            &indirect,
+            "indirect_diffuse",
+            &few,
+            half[0],
+            refinement,
+            1,
+            &mut rays,
+        );
+        let found = filtered(&found, &few, half[0]);
+        add(&mut light, &upsampled(&found, &few, half[0], &seen, width));
+        layers.push(layer);
+    }
+    for (sum, at) in light.iter_mut().zip(&seen) {
+        *sum = *sum * at.albedo + at.own;
+    }
+    if let Some(medium) = moment.medium() {
+        let haze = Haze {
+            moment: &moment,
+            sets: &sets,
+            pattern: [PIXELS, MOST],
+        };
+        let (found, layer) = interleave(&haze, "medium", &seen, width, refinement, 2, &mut rays);
+        for (sum, at) in light.iter_mut().zip(&seen) {
+            *sum *= medium.between(at.eye, at.direction, at.distance);
+        }
+        add(&mut light, &filtered(&found, &seen, width));
+        layers.push(layer);
+    }
+    Frame {
+        light,
+        rays,
+        layers,
+    }
+}
+
+/// Looks through the middles of blocks of `side` × `side` pixels.
+fn looks(
+    moment: &crate::trace::Moment<'_>,
+    [width, height]: [u32; 2],
+    side: u32,
+    rays: &mut Rays,
+) -> Vec<Deferred> {
+    let (seen, counts): (Vec<_>, Vec<_>) = (0..width * height)
+        .into_par_iter()
+        .map(|i| {
+            let block = Vec2::new((i % width) as f32, (i / width) as f32);
+            let mut rays = Rays::default();
+            let at = Deferred::look(moment, block * side as f32 + 0.5, &mut rays);
+            (at, rays)
+        })
+        .unzip();
+    counts.into_iter().for_each(|r| *rays += r);
+    seen
+}
+
+fn add(sum: &mut [Vec3], more: &[Vec3]) {
+    sum.iter_mut().zip(more).for_each(|(a, b)| *a += *b);
+}
+
+/// Listing 1, pattern by pattern.
+fn interleave(
+    component: &impl Component,
+    name: &'static str,
+    seen: &[Deferred],
+    width: u32,
+    refinement: Refinement,
+    which: usize,
+    rays: &mut Rays,
+) -> (Vec<Vec3>, Layer) {
+    let mut light = vec![Vec3::ZERO; seen.len()];
+    let mut samples = vec![0u8; seen.len()];
+    let rows = (width * SIDE) as usize;
+    let counts: Vec<Rays> = light
+        .par_chunks_mut(rows)
+        .zip(samples.par_chunks_mut(rows))
+        .zip(seen.par_chunks(rows))
+        .map(|((light, samples), seen)| {
+            let mut rays = Rays::default();
+            let height = seen.len() as u32 / width;
+            for left in (0..width).step_by(SIDE as usize) {
+                let across = SIDE.min(width - left);
+                let pattern: Vec<(usize, u32)> = (0..height * across)
+                    .map(|i| (i % across, i / across))
+                    .map(|(x, y)| ((y * width + left + x) as usize, y * SIDE + x))
+                    .collect();
+                let mut told = Vec::with_capacity(pattern.len());
+                for &(i, pixel) in &pattern {
+                    let (found, tells) = component.sample(&seen[i], pixel, 0, &mut rays);
+                    light[i] = found;
+                    told.push(tells);
+                }
+                let sets = match refinement {
+                    Refinement::All => MOST,
+                    Refinement::Plain(n) => n[which].clamp(1, MOST),
+                    Refinement::Adaptive => {
+                        let refine = component.guidance(&told);
+                        (1 + (refine * MOST as f32).ceil() as u32).min(MOST)
+                    }
+                };
+                for &(i, pixel) in &pattern {
+                    for set in 1..sets {
+                        light[i] += component.sample(&seen[i], pixel, set, &mut rays).0;
+                    }
+                    light[i] /= sets as f32;
+                    samples[i] = sets as u8;
+                }
+            }
+            rays
+        })
+        .collect();
+    counts.into_iter().for_each(|r| *rays += r);
+    let layer = Layer {
+        name,
+        samples,
+        width,
+    };
+    (light, layer)
+}
+
+/// The discontinuity buffer: a box of the pattern's size over pixels that are alike. Any such
+/// box holds each pixel of the pattern once.
+fn filtered(light: &[Vec3], seen: &[Deferred], width: u32) -> Vec<Vec3> {
+    let (w, h) = (width as i32, seen.len() as i32 / width as i32);
+    let reach = SIDE as i32 / 2;
+    let at = |i: usize| {
+        let (x, y) = (i as i32 % w, i as i32 / w);
+        let (mut sum, mut n) = (Vec3::ZERO, 0.0);
+        for ny in (y - reach).max(0)..=(y + reach).min(h - 1) {
+            for nx in (x - reach).max(0)..=(x + reach).min(w - 1) {
+                let k = (ny * w + nx) as usize;
+                if seen[i].like(&seen[k]) {
+                    sum += light[k];
+                    n += 1.0;
+                }
+            }
+        }
+        sum / n
+    };
+    (0..seen.len()).into_par_iter().map(at).collect()
+}
+
+/// Joint bilateral upsampling from every second pixel (Kopf et al. 2007; bilinear weights as in
+/// Dubla §4.1). Where no neighbour is alike, the nearest counts.
+fn upsampled(
+    few: &[Vec3],
+    few_seen: &[Deferred],
+    few_width: u32,
+    seen: &[Deferred],
+    width: u32,
+) -> Vec<Vec3> {
+    let few_height = few.len() as u32 / few_width;
+    let at = |i: usize| {
+        let (x, y) = (i as u32 % width, i as u32 / width);
+        let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
+        for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+            let (fx, fy) = (
+                (x / 2 + dx).min(few_width - 1),
+                (y / 2 + dy).min(few_height - 1),
+            );
+            let k = (fy * few_width + fx) as usize;
+            let part = |d: u32, at: u32| if at % 2 == 0 { 1.0 - d as f32 } else { 0.5 };
+            let weight = part(dx, x) * part(dy, y);
+            if weight > 0.0 && seen[i].like(&few_seen[k]) {
+                sum += few[k] * weight;
+                weights += weight;
+            }
+        }
+        if weights > 0.0 {
+            sum / weights
+        } else {
+            few[((y / 2) * few_width + x / 2) as usize]
+        }
+    };
+    (0..seen.len()).into_par_iter().map(at).collect()
+}
