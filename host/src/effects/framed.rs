@@ -267,7 +267,13 @@ fn upsampled(
                 (y / 2 + dy).min(few_height - 1),
             );
             let k = (fy * few_width + fx) as usize;
-            let part = |d: u32, at: u32| if at % 2 == 0 { 1.0 - d as f32 } else { 0.5 };
+            let part = |d: u32, at: u32| {
+                if at.is_multiple_of(2) {
+                    1.0 - d as f32
+                } else {
+                    0.5
+                }
+            };
             let weight = part(dx, x) * part(dy, y);
             if weight > 0.0 && seen[i].like(&few_seen[k]) {
                 sum += few[k] * weight;
