@@ -3,6 +3,7 @@
 mod loops;
 mod reprojection;
 mod tiling;
+mod visibility;
 
 use glam::{UVec2, Vec3};
 
