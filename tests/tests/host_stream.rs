@@ -7,7 +7,7 @@ use glam::UVec2;
 use independent::{Decoded, decode};
 use unframed_host::drive::Host;
 use unframed_host::sampler::adaptive::{Adaptive, Config as Knobs};
-use unframed_host::scene::builtin::{BUILTIN, builtin};
+use unframed_host::scene::builtin::{ANIMATIONS, BUILTIN, builtin};
 use unframed_host::stream::sender::Promise;
 use unframed_host::trace::World;
 use unframed_recon::heap::HeapStorage;
@@ -115,7 +115,7 @@ fn the_twin_shows_the_bits_of_the_firmware() {
         }
     };
     let (width, height) = (SIZE.x as u16, SIZE.y as u16);
-    for scene in BUILTIN {
+    for scene in ANIMATIONS {
         let bytes = stream(scene);
         let mut storage = HeapStorage::<Fixed>::new(width, height, 3000);
         let display =
