@@ -5,6 +5,7 @@
 //! | device | [`gpu`] | finds an adapter, checks that it suffices, turns every error into a value |
 //! | passes | [`pass`] | integer compute stages over buffers of words, each readable for comparison |
 //! | twin | [`twin`] | the reconstructor in WGSL, equal to the one in Rust to the bit |
+//! | boards | [`boards`] | the reconstructor on microcontrollers, under QEMU |
 //! | glass | [`panel`] | what the panel does with the picture: dithering, response time |
 //! | paint | [`paint`] | whole-number upscaling of a picture onto a surface, byte for byte |
 //! | source | [`source`] | what gives the pictures: a trait, a channel |
@@ -16,6 +17,7 @@
 //!
 //! Nothing here knows the host: pictures come from the stream through `unframed-recon`.
 
+pub mod boards;
 pub mod gpu;
 pub mod paint;
 pub mod panel;

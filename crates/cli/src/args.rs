@@ -35,6 +35,9 @@ pub enum Command {
     Cost(CostArgs),
     /// Effects by adaptive interleaved sampling of whole frames, against a path tracer.
     Effects(EffectsArgs),
+    /// The display on microcontrollers, emulated by QEMU.
+    #[command(subcommand)]
+    Firmware(FirmwareCommand),
 }
 
 /// `unframed effects`.
@@ -307,6 +310,64 @@ pub struct CostArgs {
     /// Measure all points again, even finished ones.
     #[arg(long)]
     pub fresh: bool,
+}
+
+/// `unframed firmware`
+#[derive(Debug, Clone, Subcommand)]
+pub enum FirmwareCommand {
+    /// Build the images; says what to install where no compiler is found.
+    Build(FirmwareArgs),
+    /// Play a stream on the boards: hashes, instructions, stack.
+    Run(FirmwareRunArgs),
+    /// What the images hold. Fails where one can panic, allocates or computes with floats.
+    Size(FirmwareArgs),
+}
+
+/// `unframed firmware build`, `unframed firmware size`
+#[derive(Debug, Clone, Args)]
+pub struct FirmwareArgs {
+    /// Print one JSON object instead of text.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// A choice of emulated boards.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum BoardKind {
+    /// All three.
+    All,
+    /// mps2-an386.
+    CortexM4f,
+    /// mps2-an500.
+    CortexM7,
+    /// virt.
+    Rv32imac,
+}
+
+/// `unframed firmware run`
+#[derive(Debug, Clone, Args)]
+pub struct FirmwareRunArgs {
+    /// The stream, for at most 4096 pixels.
+    #[arg(value_name = "FILE.ufs")]
+    pub file: PathBuf,
+    /// Where.
+    #[arg(long, value_enum, default_value_t = BoardKind::All)]
+    pub board: BoardKind,
+    /// Compute in f32 instead of integers, for comparison.
+    #[arg(long)]
+    pub f32: bool,
+    /// How the display reconstructs: adaptive, adaptive-constant, uniform, paper, frameless.
+    #[arg(long, default_value = "adaptive")]
+    pub method: String,
+    /// Samples that the display remembers, at most 65536.
+    #[arg(long, default_value = "16384", value_parser = parse_rate)]
+    pub samples: u32,
+    /// Print one line a refresh: board, index, hash, instructions.
+    #[arg(long, conflicts_with = "json")]
+    pub hashes: bool,
+    /// Print one JSON object instead of text.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// A panel's size, pixels.

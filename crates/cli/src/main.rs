@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use unframed_cli::args::{Cli, Command, RunArgs};
-use unframed_cli::commands::{cost, effects, eval, inspect, play, record, run, scenes};
+use unframed_cli::commands::{cost, effects, eval, firmware, inspect, play, record, run, scenes};
 
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
@@ -17,6 +17,7 @@ fn main() -> ExitCode {
         Some(Command::Eval(args)) => eval::eval(&args),
         Some(Command::Cost(args)) => cost::cost(&args),
         Some(Command::Effects(args)) => effects::effects(&args),
+        Some(Command::Firmware(command)) => firmware::firmware(&command),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

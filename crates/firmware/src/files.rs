@@ -14,6 +14,9 @@ pub const STREAM: &CStr = c"stream.ufs";
 pub const FRAMES: &CStr = c"frames.txt";
 /// The last picture (binary PPM).
 pub const PICTURE: &CStr = c"frame.ppm";
+/// What went over the SPI bus: records of a kind (0 command, 1 data, 2 end of a refresh), a length
+/// of 16 bits, low byte first, and so many bytes.
+pub const BUS: &CStr = c"bus.bin";
 
 /// Bytes read at once: semihosting costs much a call.
 pub const CHUNK: usize = 4096;
@@ -60,7 +63,7 @@ impl Output {
     ///
     /// # Errors
     /// [`Failure::File`].
-    pub fn write(&mut self, bytes: &[u8]) -> Result<(), Failure> {
+    pub fn write(&self, bytes: &[u8]) -> Result<(), Failure> {
         self.0.write(bytes)
     }
 }

@@ -6,6 +6,7 @@
 //! | [`files`] | the stream in and results out, by semihosting |
 //! | [`storage`] | the display's memory, static |
 //! | [`play`] | a stream through the reconstructor, everything measured |
+//! | `panel` | a display driver on an SPI bus that records |
 //!
 //! QEMU gives the instructions executed, not cycles: neither flash wait states nor caches nor dual
 //! issue are in these numbers.
@@ -14,6 +15,8 @@
 pub mod board;
 pub mod files;
 mod host;
+#[cfg(feature = "panel")]
+pub mod panel;
 pub mod play;
 pub mod storage;
 
@@ -30,6 +33,8 @@ pub enum Failure {
     NoHello = 5,
     /// The panel or the deep buffer is beyond this image's storage.
     TooLarge = 6,
+    /// The display driver failed.
+    Driver = 7,
 }
 
 /// Ends the image with the status of its outcome.

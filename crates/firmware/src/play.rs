@@ -82,7 +82,7 @@ pub fn play<A: Arith>(
     let mut display = Display::new(job.config, job.hello.width, job.hello.height, memory)
         .map_err(|_| Failure::TooLarge)?;
     let mut receiver = Receiver::new();
-    let mut frames = Output::create(FRAMES)?;
+    let frames = Output::create(FRAMES)?;
     let mut counter = Counter::start();
     let mut since = counter.read();
     each_chunk(|mut input| {
@@ -129,7 +129,7 @@ pub fn play<A: Arith>(
 }
 
 fn write_picture<A: Arith>(display: &Display<'_, A>) -> Result<(), Failure> {
-    let mut file = Output::create(PICTURE)?;
+    let file = Output::create(PICTURE)?;
     let (width, height) = display.size();
     let mut line = Line::new();
     line.text("P6 ")

@@ -2,7 +2,6 @@
 
 use crate::arith::Arith;
 use crate::display::Display;
-use embedded_graphics_core::Pixel;
 use embedded_graphics_core::draw_target::DrawTarget;
 use embedded_graphics_core::geometry::{Point, Size};
 use embedded_graphics_core::pixelcolor::Rgb888;
@@ -27,29 +26,73 @@ where
     target.fill_contiguous(&area, colours)
 }
 
-/// Draws only what differs from `shown`, the picture that the target shows, and brings `shown` up
-/// to date. Returns the number of pixels drawn.
+/// Side of the blocks that changes are looked for in, pixels.
+pub const BLOCK: usize = 8;
+
+/// What was sent to a target.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Drawn {
+    /// Rectangles.
+    pub windows: usize,
+    /// Pixels in them.
+    pub pixels: usize,
+}
+
+/// Draws only the windows that differ from `shown`, the picture that the target shows, and brings
+/// `shown` up to date: runs of changed blocks of [`BLOCK`] × [`BLOCK`] pixels, because a window
+/// costs a display bus some ten bytes.
 ///
 /// # Errors
-/// Those of the target; `shown` is then true up to the pixel that failed.
+/// Those of the target; `shown` is then true but for the window that failed.
 pub fn draw_changes<A: Arith, D>(
     display: &Display<'_, A>,
     shown: &mut [[u8; 3]],
     target: &mut D,
-) -> Result<usize, D::Error>
+) -> Result<Drawn, D::Error>
 where
     D: DrawTarget,
     D::Color: From<Rgb888>,
 {
-    let width = usize::from(display.size().0);
-    let mut drawn = 0;
-    for (i, (new, old)) in display.picture().iter().zip(shown).enumerate() {
-        if new != old {
-            let at = Point::new((i % width) as i32, (i / width) as i32);
-            let colour = Rgb888::new(new[0], new[1], new[2]);
-            target.draw_iter(core::iter::once(Pixel(at, colour.into())))?;
-            *old = *new;
-            drawn += 1;
+    let picture = display.picture();
+    let (width, height) = display.size();
+    let (width, height) = (usize::from(width), usize::from(height));
+    let mut drawn = Drawn::default();
+    for top in (0..height).step_by(BLOCK) {
+        let rows = top..(top + BLOCK).min(height);
+        let changed = |shown: &[[u8; 3]], left: usize| {
+            rows.clone().any(|row| {
+                let line = row * width;
+                let span = line + left..line + (left + BLOCK).min(width);
+                picture.get(span.clone()) != shown.get(span)
+            })
+        };
+        let mut left = 0;
+        while left < width {
+            let mut right = left;
+            while right < width && changed(shown, right) {
+                right += BLOCK;
+            }
+            if right == left {
+                left += BLOCK;
+                continue;
+            }
+            let end = right.min(width);
+            let spans = rows
+                .clone()
+                .map(|row| row * width + left..row * width + end);
+            let pixels = spans.clone().filter_map(|span| picture.get(span)).flatten();
+            let colours = pixels.map(|[r, g, b]| Rgb888::new(*r, *g, *b).into());
+            let size = Size::new((end - left) as u32, rows.len() as u32);
+            let area = Rectangle::new(Point::new(left as i32, top as i32), size);
+            target.fill_contiguous(&area, colours)?;
+            for span in spans {
+                if let (Some(old), Some(new)) = (shown.get_mut(span.clone()), picture.get(span)) {
+                    old.copy_from_slice(new);
+                }
+            }
+            drawn.windows += 1;
+            drawn.pixels += (end - left) * rows.len();
+            left = right;
         }
     }
     Ok(drawn)

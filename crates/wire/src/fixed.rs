@@ -37,6 +37,10 @@ pub(crate) fn get_fields(bits: u8) -> Option<TileFields> {
     })
 }
 
+/// The bits of infinity in `f32`. Ranges are checked on bits: not even a comparison of floats is
+/// left in the firmware.
+const INFINITY: u32 = f32::INFINITY.to_bits();
+
 /// Whether every field of `hello` is in the range that its documentation states.
 pub(crate) fn hello_is_valid(hello: &Hello) -> bool {
     let world = &hello.world;
@@ -44,9 +48,8 @@ pub(crate) fn hello_is_valid(hello: &Hello) -> bool {
         && (1..=MAX_EDGE).contains(&hello.height)
         && hello.rate >= 1
         && hello.refresh_millihertz >= 1
-        && world.origin.iter().all(|c| c.is_finite())
-        && world.unit.is_finite()
-        && world.unit > 0.0
+        && world.origin.iter().all(|c| c.to_bits() & INFINITY < INFINITY)
+        && (1..INFINITY).contains(&world.unit.to_bits())
         // Screen samples have no place for an object id.
         && !(hello.objects && hello.layout == Layout::Screen)
 }

@@ -49,12 +49,20 @@ pub enum ColourEncoding {
 
 /// Where the lattice of the static world lies in the author's coordinates. For tools that want
 /// metres: nothing that the display computes depends on it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct WorldFrame {
     /// The author's coordinates of the world-unit origin, metres.
     pub origin: [f32; 3],
     /// Metres in one world unit; finite and positive.
     pub unit: f32,
+}
+
+/// Equal are frames of the same bits: a display compares Hellos, and does so without floats.
+impl PartialEq for WorldFrame {
+    fn eq(&self, other: &Self) -> bool {
+        self.unit.to_bits() == other.unit.to_bits()
+            && self.origin.map(f32::to_bits) == other.origin.map(f32::to_bits)
+    }
 }
 
 /// What the stream carries; repeated, so that a receiver can join at any time.

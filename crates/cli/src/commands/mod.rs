@@ -3,6 +3,7 @@
 pub mod cost;
 pub mod effects;
 pub mod eval;
+pub mod firmware;
 pub mod inspect;
 pub mod live;
 pub mod play;
