@@ -19,7 +19,7 @@ use unframed_host::sampler::{Eye, Sampler, Shot, Span};
 use unframed_host::scene::builtin;
 use unframed_host::stream::sender::Promise;
 use unframed_host::trace::{self, World};
-use unframed_recon::config::Lifetime;
+use unframed_recon::config::{Extents, Fit, Lifetime};
 use unframed_recon::heap::HeapStorage;
 use unframed_recon::{Display, Fixed, Player};
 use unframed_wire::{Layout, Status, TileFields, TileNode};
@@ -150,6 +150,19 @@ fn turn_paper(config: &mut paper::Config, key: &str, number: f64) {
     }
 }
 
+/// Sets a knob of the display: `sigma` pixels and `lifetime` seconds everywhere, `hidden`, `linear`.
+fn turn_display(config: &mut unframed_recon::Config, key: &str, number: f32) {
+    let log = (number.log2() * 256.0) as i16;
+    match key {
+        "sigma" => config.extents = Extents::Constant(log),
+        "lifetime" => config.lifetime = Lifetime::Constant(log),
+        "hidden" => config.hidden = number != 0.0,
+        "linear" if number == 0.0 => config.fit = Fit::Constant,
+        "linear" => config.fit = Fit::Linear,
+        _ => panic!("display_{key}: no such knob"),
+    }
+}
+
 /// What a run showed.
 struct Outcome {
     each: Vec<f64>,
@@ -168,6 +181,7 @@ fn run(
     let mut config = Config::default();
     let mut published = name.starts_with("paper").then(paper::Config::default);
     let mut uniform = None;
+    let mut recon = unframed_recon::Config::ADAPTIVE;
     for knob in knobs.split(',').filter(|k| !k.is_empty()) {
         let (key, value) = knob.split_once('=').unwrap_or((knob, "1"));
         let number: f32 = value
@@ -177,13 +191,14 @@ fn run(
             turn_paper(config, key, number.into());
         } else if key == "uniform" {
             uniform = Some(number);
+        } else if let Some(key) = key.strip_prefix("display_") {
+            turn_display(&mut recon, key, number);
         } else {
             turn(&mut config, key, number);
         }
     }
     let watched = Watched(Arc::new(Mutex::new(Adaptive::new(SIZE, config))));
     let published = published.map(|c| Watched(Arc::new(Mutex::new(Paper::new(SIZE, c)))));
-    let mut recon = unframed_recon::Config::ADAPTIVE;
     let sampler: Box<dyn Sampler> = match (uniform, &published) {
         (_, Some(published)) => {
             recon = unframed_recon::Config::PAPER;
