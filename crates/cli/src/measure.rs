@@ -16,7 +16,7 @@ use unframed_wire::{Counters, TileNode};
 
 use crate::args::{DisplayArgs, Size, Source};
 use crate::method::Method;
-use crate::panel::{Order, with_panel};
+use crate::panel::{Order, all_cores, with_panel};
 use crate::report::{Picture, Rect};
 
 /// Refreshes a second.
@@ -159,6 +159,7 @@ pub fn measure(
         width,
         height,
         samples: panel.samples,
+        threads: all_cores(),
     };
     let world = ideals.world.clone();
     with_panel(&order, |panel, display| {

@@ -2,6 +2,7 @@
 
 use anyhow::{Context, Result};
 use unframed_recon::heap::HeapStorage;
+use unframed_recon::workers::{Threads, Workers};
 use unframed_recon::{Config, Display, Fixed, Player};
 use unframed_sim::gpu::Gpu;
 use unframed_sim::twin::GpuPlayer;
@@ -25,7 +26,7 @@ pub trait Panel {
     fn link(&self) -> Counters;
 }
 
-impl Panel for Player<'_, Fixed> {
+impl<W: Workers> Panel for Player<'_, Fixed, W> {
     fn push(&mut self, input: &mut &[u8]) -> Result<Option<Refresh>> {
         Ok(Self::push(self, input))
     }
@@ -66,6 +67,14 @@ pub struct Order {
     pub height: u16,
     /// Samples remembered.
     pub samples: u32,
+    /// Threads a refresh, on the CPU; the bits are those of one.
+    pub threads: usize,
+}
+
+/// One thread a core: for a display that has the machine to itself.
+#[must_use]
+pub fn all_cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 /// Sets up the panel and does `work` with it and its name.
@@ -83,7 +92,8 @@ pub fn with_panel<R>(
         return work(&mut player, &format!("wgpu ({})", gpu.describe()));
     }
     let mut storage = HeapStorage::<Fixed>::new(width, height, samples);
-    let display = Display::new(order.config, width, height, storage.memory())
+    let workers = Threads::new(order.threads).context("cannot start the display's threads")?;
+    let display = Display::with_workers(workers, order.config, width, height, storage.memory())
         .context("cannot set up the display")?;
     work(&mut Player::new(display), "cpu")
 }

@@ -2,20 +2,21 @@
 
 use crate::arith::Arith;
 use crate::display::Display;
+use crate::workers::{Alone, Workers};
 use unframed_wire::{Receiver, Refresh, Status, Tick};
 
 /// A display at the end of a link.
 #[derive(Debug)]
-pub struct Player<'a, A: Arith> {
+pub struct Player<'a, A: Arith, W: Workers = Alone> {
     receiver: Receiver,
-    display: Display<'a, A>,
+    display: Display<'a, A, W>,
     newest: Tick,
 }
 
-impl<'a, A: Arith> Player<'a, A> {
+impl<'a, A: Arith, W: Workers> Player<'a, A, W> {
     /// A display that has received nothing yet.
     #[must_use]
-    pub fn new(display: Display<'a, A>) -> Self {
+    pub fn new(display: Display<'a, A, W>) -> Self {
         Self {
             receiver: Receiver::new(),
             display,
@@ -37,7 +38,7 @@ impl<'a, A: Arith> Player<'a, A> {
 
     /// The display.
     #[must_use]
-    pub fn display(&self) -> &Display<'a, A> {
+    pub fn display(&self) -> &Display<'a, A, W> {
         &self.display
     }
 

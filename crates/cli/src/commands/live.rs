@@ -15,7 +15,7 @@ use unframed_wire::TileNode;
 use crate::args::RunArgs;
 use crate::measure::{REFRESH_HZ, host, open_world};
 use crate::method::Method;
-use crate::panel::{Order, with_panel};
+use crate::panel::{Order, all_cores, with_panel};
 
 /// What the keys switch.
 #[derive(Debug, Default)]
@@ -112,6 +112,7 @@ fn work(args: &RunArgs, switches: &Switches, out: &SyncSender<(Frame, String)>) 
             width,
             height,
             samples: args.panel.samples,
+            threads: all_cores(),
         };
         let gone = with_panel(&order, |panel, display| {
             let mut host = host(&args.source, method, open_world(&args.source)?);

@@ -8,7 +8,7 @@ use unframed_wire::{Layout, Packet, Receiver};
 use super::{make_out, read_stream};
 use crate::args::PlayArgs;
 use crate::method::Method;
-use crate::panel::{Order, with_panel};
+use crate::panel::{Order, all_cores, with_panel};
 use crate::report::Picture;
 
 /// Plays a stream on a display.
@@ -47,6 +47,7 @@ pub fn play(args: &PlayArgs) -> Result<()> {
         width: hello.width,
         height: hello.height,
         samples: args.panel.samples,
+        threads: all_cores(),
     };
     with_panel(&order, |panel, display| {
         let mut refreshes = 0u64;

@@ -372,6 +372,8 @@ impl<'a> Run<'a> {
             width: job.settings.size.width,
             height: job.settings.size.height,
             samples: job.settings.samples,
+            // Cells run side by side already.
+            threads: 1,
         };
         let mut host = Host::new(world.clone(), sampler, promise);
         let reprojects = display.reproject && layout == unframed_wire::Layout::World;
