@@ -2,6 +2,7 @@
 
 use glam::{DAffine3, DVec3, UVec2, Vec2, Vec3};
 
+use super::cells::NONE;
 use super::*;
 use crate::sampler::stage::{PANEL, Stage, WALL};
 
@@ -177,6 +178,23 @@ fn what_comes_into_view_is_served_first() {
     let right = out.iter().filter(|s| s.pixel.x >= 55.0).count() as f32 / 9.0;
     let left = out.iter().filter(|s| s.pixel.x < 55.0).count() as f32 / 55.0;
     assert!(right > 4.0 * left, "{right} to {left} a column");
+}
+
+#[test]
+fn the_memory_is_warped_where_something_moves() {
+    let warps = |camera_speed: f32| {
+        let stage = Stage {
+            camera_speed,
+            ..Stage::new(SIZE)
+        };
+        let mut sampler = sampler();
+        work(&mut sampler, &stage, 0.0, 0.5);
+        sampler.stats().warps
+    };
+    // 30 epochs: each fourth at rest; the wall moves by 1.8 pixels an epoch, by 0.6.
+    assert_eq!(warps(0.0), 8);
+    assert_eq!(warps(6.0), 30);
+    assert!((10..=15).contains(&warps(2.0)));
 }
 
 #[test]
