@@ -1,0 +1,112 @@
+//! Sharing shots out among the tiles, and aiming them.
+
+use glam::{Vec2, Vec3};
+
+use super::cells::NONE;
+use super::{Adaptive, Aim, Intent, Plan, Span, allocate, golden_stride, within};
+
+impl Adaptive {
+    /// Shares `count` shots out among the tiles: fills `scratch.visits`.
+    pub(super) fn allocate(&mut self, count: usize) {
+        let c = &self.config;
+        let s = &mut self.scratch;
+        s.errors.clear();
+        s.filled.clear();
+        for (i, tile) in self.tiles.iter().enumerate() {
+            let area = self.grid.areas[i];
+            let error = if c.residuals {
+                tile.error(area - tile.covered, c)
+            } else {
+                1.0
+            };
+            s.errors.push(error * area);
+            s.filled
+                .push(if c.water_filling { tile.samples } else { 0.0 });
+        }
+        let (level, _) = allocate::water_level(&s.errors, &s.filled, count as f32);
+        let everywhere = c.uniform_share * count as f32 / (self.grid.size.element_product() as f32);
+        s.shares.clear();
+        for (i, (&error, &filled)) in s.errors.iter().zip(&s.filled).enumerate() {
+            let due = (level * error - filled).max(0.0) * (1.0 - c.uniform_share);
+            s.shares.push(due + everywhere * self.grid.areas[i]);
+        }
+        allocate::visits(
+            &self.order,
+            &s.shares,
+            count,
+            self.random.unit(),
+            &mut s.visits,
+        );
+    }
+
+    /// Plans the visits as the shots `first..` of the span.
+    pub(super) fn plan(&mut self, span: Span, first: usize) {
+        self.scratch.plans.clear();
+        self.scratch.intents.clear();
+        let count = self.scratch.visits.len();
+        let stride = golden_stride(count);
+        let evenly = count as f32 / self.grid.size.element_product() as f32;
+        let mut at = self.random.below(count.max(1) as u32) as usize;
+        for i in 0..count {
+            let tile = self.scratch.visits[at];
+            at = (at + stride) % count;
+            let again = self.random.unit() < self.config.verify_share;
+            let (place, pixel) = self.aim(tile, again);
+            let time = span.instant(first + i);
+            let uniform = evenly * self.grid.areas[tile as usize];
+            let mut intent = Intent {
+                tile,
+                weight: uniform / self.scratch.shares[tile as usize].max(1e-9),
+                cell: NONE,
+                colour: Vec3::ZERO,
+                born: 0.0,
+            };
+            let mut aim = Aim::Pixel(place);
+            let front = self.cells.plane[pixel as usize].front;
+            if again && front != NONE {
+                let cell = &self.cells.pool[front as usize];
+                intent.cell = front;
+                (intent.colour, intent.born) = (cell.newest(), cell.born);
+                aim = Aim::Again {
+                    object: cell.object,
+                    local: cell.local,
+                    instead: place,
+                };
+            } else {
+                self.cells.plane[pixel as usize].cover += 1.0;
+            }
+            self.scratch.plans.push(Plan {
+                time,
+                aim,
+                seed: self.random.next(),
+            });
+            self.scratch.intents.push(intent);
+        }
+    }
+
+    /// A place in a tile and its pixel: for a second look the best covered of three random
+    /// pixels; else the next point of the tile's sequence or, where pixels of the tile are empty,
+    /// the least covered of its next three points.
+    fn aim(&mut self, tile: u32, again: bool) -> (Vec2, u32) {
+        let (corner, size) = self.grid.rect(tile);
+        let full =
+            self.tiles[tile as usize].covered >= self.config.full * size.element_product() as f32;
+        let candidates = if full && !again { 1 } else { 3 };
+        let mut best = (Vec2::ZERO, 0, f32::INFINITY);
+        for _ in 0..candidates {
+            let point = if again {
+                Vec2::new(self.random.unit(), self.random.unit())
+            } else {
+                self.points[tile as usize].next()
+            };
+            let place = within(corner.as_vec2() + point * size.as_vec2(), self.grid.size);
+            let pixel = place.y as u32 * self.grid.size.x + place.x as u32;
+            let cover = self.cells.plane[pixel as usize].cover;
+            let badness = if again { -cover } else { cover };
+            if badness < best.2 {
+                best = (place, pixel, badness);
+            }
+        }
+        (best.0, best.1)
+    }
+}
