@@ -74,12 +74,7 @@ impl<'a> Shader<'a> {
     pub(crate) fn radiance(&mut self, struck: &Struck, path: &Path) -> Vec3 {
         let scene = &self.moment.world.scene;
         let material = &scene.materials[struck.spot.material as usize];
-        let seen = path.cone.footprint(
-            struck.spot.uv,
-            struck.spot.gradients,
-            struck.flat,
-            path.direction,
-        );
+        let seen = seen_through(struck, path);
         let base = self.base(struck, material, &seen);
         if material.unlit {
             return base;
@@ -109,12 +104,7 @@ impl<'a> Shader<'a> {
     pub(crate) fn split(&mut self, struck: &Struck, path: &Path) -> (Vec3, Vec3) {
         let scene = &self.moment.world.scene;
         let material = &scene.materials[struck.spot.material as usize];
-        let seen = path.cone.footprint(
-            struck.spot.uv,
-            struck.spot.gradients,
-            struck.flat,
-            path.direction,
-        );
+        let seen = seen_through(struck, path);
         let base = self.base(struck, material, &seen);
         if material.unlit {
             return (Vec3::ZERO, base);
@@ -404,4 +394,11 @@ fn schlick(f0: Vec3, cos: f32) -> Vec3 {
 /// grows with the coordinates, as their rounding does.
 pub(crate) fn lifted(place: Vec3, normal: Vec3) -> Vec3 {
     place + normal * (3e-5 * place.abs().max_element().max(1.0))
+}
+
+/// What of a texture a path sees where it struck.
+fn seen_through(struck: &Struck, path: &Path) -> Footprint {
+    let spot = &struck.spot;
+    path.cone
+        .footprint(spot.uv, spot.gradients, struck.flat, path.direction)
 }
