@@ -205,8 +205,8 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
     /// A filter width given as log2 of σ in pixels with 8 fractional bits.
     fn width(q8: i32) -> Self::Width;
 
-    /// Filter taps of a width along an axis for a sample at coordinate `v`: e^(−d²/2σ²) at the
-    /// distances from the pixels' centres, zero beyond 3 σ and beyond [`REACH`].
+    /// Filter taps of a width along an axis for a sample at coordinate `v`: e^(−d²/2σ²) − e^(−4.5)
+    /// at the distances from the pixels' centres, zero beyond 3 σ and beyond [`REACH`].
     fn taps(panel: &Panel, width: Self::Width, v: Self::Coord) -> Taps<Self::Weight>;
 
     /// Product of weights.

@@ -351,7 +351,10 @@ impl<'a, A: Arith, W: Workers> Display<'a, A, W> {
             return;
         }
         self.compose();
-        let reach = self.reach(refresh.time);
+        if let Some(view) = &self.view {
+            self.motion.refresh(refresh.time, view, self.slots);
+        }
+        let reach = self.reach();
         self.filter(refresh.time, &reach);
         if self.config.fill {
             let (width, height) = (self.panel.width.into(), self.panel.height.into());
@@ -360,14 +363,8 @@ impl<'a, A: Arith, W: Workers> Display<'a, A, W> {
         self.encode();
     }
 
-    /// How far occlusion can reach at this refresh.
-    fn reach(&mut self, now: Tick) -> Reach<A> {
-        match &self.view {
-            Some(view) => {
-                self.motion.refresh(now, view, self.slots);
-                self.motion.reach(view)
-            }
-            None => self.motion.reach(&NO_VIEW),
-        }
+    /// How far occlusion could reach at the last refresh.
+    pub(crate) fn reach(&self) -> Reach<A> {
+        self.motion.reach(self.view.as_ref().unwrap_or(&NO_VIEW))
     }
 }

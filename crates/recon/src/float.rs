@@ -174,6 +174,7 @@ macro_rules! float_arith {
             fn taps(_: &Panel, width: $float, v: $float) -> Taps<$float> {
                 let sigma = $exp2(width);
                 let from_middle = v - $floor(v) - 0.5;
+                let foot = $exp(-4.5);
                 let mut taps = Taps {
                     weights: [0.0; SPAN],
                     first: REACH,
@@ -182,7 +183,7 @@ macro_rules! float_arith {
                 for (tap, pixel) in taps.weights.iter_mut().zip(-REACH..) {
                     let d = (from_middle - pixel as $float).abs();
                     if d < 3.0 * sigma && d < REACH as $float {
-                        *tap = $exp(-0.5 * (d / sigma) * (d / sigma));
+                        *tap = $exp(-0.5 * (d / sigma) * (d / sigma)) - foot;
                         taps.first = taps.first.min(pixel);
                         taps.last = pixel;
                     }

@@ -13,6 +13,7 @@
 //! | who works on which samples and pixels | [`bins`], [`workers`] |
 //! | the steps of a refresh | [`transform`], [`project`], [`motion`], [`hidden`], [`extents`], [`splat`], [`solve`], [`fill`] |
 //! | all together | [`config`], [`display`], [`player`], [`scanout`] |
+//! | to compare arithmetics | `decisions` |
 //!
 //! Nothing here panics on any input: packets are checked on arrival (`transform::*_is_sound`),
 //! indices are looked up, sums are bounded (`docs/NUMERICS.md`).
@@ -26,6 +27,8 @@ extern crate std;
 pub mod arith;
 pub mod bins;
 pub mod config;
+#[cfg(feature = "float")]
+pub mod decisions;
 pub mod deep;
 pub mod display;
 pub mod extents;

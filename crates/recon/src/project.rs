@@ -28,7 +28,7 @@ pub struct Instant<'a, A: Arith> {
 
 /// What follows from a sample's time.
 #[derive(Clone, Copy)]
-struct Age<A: Arith> {
+pub(crate) struct Age<A: Arith> {
     log: A::Log,
     /// [`Reach::of`] resting and moving samples.
     reach: [A::Depth; 2],
@@ -74,7 +74,8 @@ impl<A: Arith> Instant<'_, A> {
         len
     }
 
-    fn age(&self, time: u32) -> Option<Age<A>> {
+    /// `None` where it is too old to be told from a young one.
+    pub(crate) fn age(&self, time: u32) -> Option<Age<A>> {
         let age = age(time, self.now)?;
         Some(Age {
             log: A::log_of_age(age),
@@ -84,7 +85,7 @@ impl<A: Arith> Instant<'_, A> {
 
     /// One sample of an age as it is seen now; `None` where it is out of sight.
     #[inline]
-    fn see(&self, sample: &Stored, age: &Age<A>) -> Option<Projected<A>> {
+    pub(crate) fn see(&self, sample: &Stored, age: &Age<A>) -> Option<Projected<A>> {
         let (config, panel) = (self.config, self.panel);
         let (x, y, depth) = match sample.placing {
             Placing::Empty => return None,

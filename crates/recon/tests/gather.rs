@@ -184,8 +184,8 @@ impl Scene {
     }
 
     /// The picture by gathering, sRGB levels; `None` where the weights sum up to less than three
-    /// samples: there a tap at the edge of its footprint, 1 %, makes levels of difference, and
-    /// whether it is in or out is decided by the last bit of its width.
+    /// samples: there a tap where a wide footprint is cut off at 4 px makes levels of difference,
+    /// and whether it is in or out is decided by the last bit of its place.
     fn gathered(&self) -> Vec<Option<[f64; 3]>> {
         let seen: Vec<_> = self
             .samples
@@ -207,7 +207,9 @@ impl Scene {
                 let d = [0, 1].map(|k| (at[k] - centre[k]) / sigma[k]);
                 let near = |k: usize| d[k].abs() < 3.0 && (at[k] - centre[k]).abs() < 4.0;
                 if near(0) && near(1) {
-                    let w = tail * (-0.5 * (d[0] * d[0] + d[1] * d[1])).exp();
+                    // Each axis ends in zero.
+                    let tap = d.map(|d| (-0.5 * d * d).exp() - (-4.5f64).exp());
+                    let w = tail * tap[0] * tap[1];
                     weight += w;
                     sum.iter_mut().zip(light).for_each(|(s, l)| *s += w * l);
                 }

@@ -161,11 +161,14 @@ fn whole_reach(footprint: u32) -> i32 {
     return i32((low16(footprint) + half - 1u) >> DISTANCE_BITS);
 }
 
-// The filter tap at a distance: e^(−d²/2σ²), zero beyond 3 σ.
+// What a Gaussian is at 3 σ, with 15 fractional bits, twin of taps::FOOT.
+const FOOT: u32 = 364u;
+
+// The filter tap at a distance: e^(−d²/2σ²) − e^(−4.5), zero beyond 3 σ.
 fn tap(footprint: u32, distance: i32) -> u32 {
     let d = u32(abs(distance));
     if d >= low16(footprint) { return 0u; }
-    return exp2_negative((d * d * (footprint >> 16u)) >> 16u);
+    return max(exp2_negative((d * d * (footprint >> 16u)) >> 16u), FOOT) - FOOT;
 }
 
 // Product of weights.

@@ -1,0 +1,66 @@
+//! What a refresh decided about each stored sample: so that arithmetics can be compared decision
+//! by decision (feature `float`).
+
+use crate::arith::{Arith, Projected};
+use crate::config::Extents;
+use crate::display::Display;
+use crate::hidden;
+use crate::project::Instant;
+use crate::workers::Workers;
+use unframed_wire::Tick;
+
+/// What was decided about one sample, and from what.
+#[derive(Clone, Copy, Debug)]
+pub struct Decision<A: Arith> {
+    /// Where it was seen and what it weighed before it was looked at as hidden.
+    pub seen: Projected<A>,
+    /// Index of the pixel it counted for: its own, or the nearest of the panel.
+    pub pixel: usize,
+    /// The depth beyond which samples of that pixel are hidden.
+    pub limit: A::Depth,
+    /// Whether a sample of a moving object lies nearby.
+    pub near_mover: bool,
+    /// Whether it was hidden.
+    pub hidden: bool,
+    /// Its filter widths in x and y.
+    pub widths: [A::Width; 2],
+}
+
+impl<A: Arith, W: Workers> Display<'_, A, W> {
+    /// What the last refresh, at `now`, decided about each stored sample, in the order of the deep
+    /// buffer; `None` of a sample that was out of sight or weighed nothing.
+    ///
+    /// Meaningful until the next packet is received. Of a refresh at another time it says what
+    /// would be seen then, with the limits and widths of the last.
+    pub fn decisions(&self, now: Tick) -> impl Iterator<Item = Option<Decision<A>>> + '_ {
+        let reach = self.reach();
+        self.deep.samples().iter().map(move |sample| {
+            let instant = Instant {
+                config: &self.config,
+                panel: &self.panel,
+                tiles: &self.tiles,
+                slots: self.slots,
+                reach: &reach,
+                now,
+            };
+            let age = instant.age(sample.time)?;
+            let seen = instant
+                .see(sample, &age)
+                .filter(|seen| A::counts(seen.weight))?;
+            let at = |v| A::pixel(&self.panel, v);
+            let pixel = self.panel.nearest(at(seen.x), at(seen.y));
+            let tests = self.config.hidden;
+            Some(Decision {
+                seen,
+                pixel,
+                limit: self.limits.get(pixel).copied().unwrap_or_default(),
+                near_mover: self.movers.get(pixel).is_some_and(|mover| *mover != 0),
+                hidden: tests && hidden::hides(self.limits, self.movers, pixel, &seen),
+                widths: match self.config.extents {
+                    Extents::Density => [self.widths.get(pixel).copied().unwrap_or_default(); 2],
+                    _ => seen.widths,
+                },
+            })
+        })
+    }
+}
