@@ -2,7 +2,7 @@
 //!
 //! [`Fixed`](crate::fixed::Fixed) is what is deployed: integers alone, equal bits everywhere.
 //! `f32` and `f64` (feature `float`) run the same algorithm; `f64` is the oracle. What is discrete
-//! by design (filter widths in steps of 1/8 octave, tile codes, 8-bit colour) is discrete in all.
+//! by design (tile codes, 8-bit colour) is discrete in all.
 
 use crate::config::TimeKernel;
 use crate::taps::Taps;
@@ -198,8 +198,8 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
     /// Adds masses.
     fn add_mass(a: Self::Mass, b: Self::Mass) -> Self::Mass;
 
-    /// The filter width for a mass in 5 × 5 pixels: σ = 0.55·5/√mass, the nearest of the
-    /// [`crate::taps::LEVELS`].
+    /// The filter width for a mass in 5 × 5 pixels: σ = 0.55·5/√mass, from
+    /// [`crate::taps::LEAST`] to [`crate::taps::MOST`].
     fn width_of(mass: Self::Mass) -> Self::Width;
 
     /// A filter width given as log2 of σ in pixels with 8 fractional bits.

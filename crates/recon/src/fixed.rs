@@ -195,7 +195,7 @@ impl Arith for Fixed {
     fn width_of(mass: u32) -> i16 {
         // log2(0.55 · 5) is 2989; a mass has 15 fractional bits.
         let sigma = 2989 - ((log2_q11(u64::from(mass.max(1))) - 15 * 2048) >> 1);
-        taps::width(taps::level(sigma))
+        sigma.clamp(taps::LEAST, taps::MOST) as i16
     }
 
     fn width(q8: i32) -> i16 {

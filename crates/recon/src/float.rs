@@ -162,9 +162,8 @@ macro_rules! float_arith {
                     mass
                 };
                 let sigma = $log2(2.75) - 0.5 * $log2(mass);
-                // Widths are discrete by design: the same steps as in integers.
-                let level = taps::level($floor(sigma * 2048.0 + 0.5) as i32);
-                <$float>::from(taps::width(level)) / 2048.0
+                let end = |q11: i32| q11 as $float / 2048.0;
+                sigma.clamp(end(taps::LEAST), end(taps::MOST))
             }
 
             fn width(q8: i32) -> $float {
@@ -172,18 +171,33 @@ macro_rules! float_arith {
             }
 
             fn taps(_: &Panel, width: $float, v: $float) -> Taps<$float> {
-                let sigma = $exp2(width);
                 let from_middle = v - $floor(v) - 0.5;
+                // Between two levels of width, or at one width.
+                let above = (width * 2048.0 - taps::LEAST as $float) / 256.0;
+                let levels = (taps::LEVELS - 1) as $float;
+                let (sigma, wider, part) = if above >= 0.0 && above < levels {
+                    let level = $floor(above);
+                    let of =
+                        |level: $float| $exp2((taps::LEAST as $float + level * 256.0) / 2048.0);
+                    (of(level), of(level + 1.0), above - level)
+                } else {
+                    ($exp2(width), $exp2(width), 0.0)
+                };
                 let foot = $exp(-4.5);
+                let tap = |d: $float, sigma: $float| {
+                    let inside = d < 3.0 * sigma && d < REACH as $float;
+                    let tap = $exp(-0.5 * (d / sigma) * (d / sigma)) - foot;
+                    if inside { tap } else { 0.0 }
+                };
                 let mut taps = Taps {
                     weights: [0.0; SPAN],
                     first: REACH,
                     last: -REACH,
                 };
-                for (tap, pixel) in taps.weights.iter_mut().zip(-REACH..) {
+                for (weight, pixel) in taps.weights.iter_mut().zip(-REACH..) {
                     let d = (from_middle - pixel as $float).abs();
-                    if d < 3.0 * sigma && d < REACH as $float {
-                        *tap = $exp(-0.5 * (d / sigma) * (d / sigma)) - foot;
+                    *weight = (1.0 - part) * tap(d, sigma) + part * tap(d, wider);
+                    if *weight > 0.0 {
                         taps.first = taps.first.min(pixel);
                         taps.last = pixel;
                     }

@@ -2,8 +2,9 @@
 //! axis at a time. Taps that end in a step would let a rounding of 3 σ decide whether a sample
 //! counts at all.
 //!
-//! Densities give one of [`LEVELS`] widths, an eighth of an octave apart, so that all taps of a
-//! sample come from one row of a table: by level and by where in its pixel the sample lies.
+//! Densities give widths in a narrow range, whose taps come from a table: by level of width, an
+//! eighth of an octave apart, and by where in its pixel a sample lies. Between levels taps are
+//! interpolated, in all arithmetics, so that no rounding of a width decides between two filters.
 
 use crate::arith::REACH;
 use crate::num::{exp2, exp2_negative};
@@ -13,14 +14,15 @@ use crate::num::{exp2, exp2_negative};
 pub const DISTANCE_BITS: u32 = 8;
 /// Pixels that a footprint can reach along an axis: its own and [`REACH`] on each side.
 pub const SPAN: usize = 2 * REACH as usize + 1;
-/// Widths that densities lead to.
+/// Levels of width in the table.
 pub const LEVELS: usize = 15;
-/// log2 of the least σ of a density, 11 fractional bits: 0.347 px. The greatest, 14 eighths of an
-/// octave wider, is 1.166 px: 3 σ stay below 3.5 px, so such a footprint spans 7 pixels.
+/// log2 of the least σ of a density, 11 fractional bits: 0.347 px.
 pub const LEAST: i32 = -3129;
 /// log2 of the step between levels: 1/8 octave with 11 fractional bits.
 pub const STEP_BITS: u32 = 8;
-
+/// log2 of the greatest σ of a density, just below the last level's 1.166 px: 3 σ stay below
+/// 3.5 px, so such a footprint spans 7 pixels.
+pub const MOST: i32 = LEAST + ((LEVELS as i32 - 1) << STEP_BITS) - 1;
 /// What a Gaussian is at 3 σ, e^(−4.5), with 15 fractional bits.
 pub const FOOT: u32 = 364;
 
@@ -114,37 +116,28 @@ pub const fn width(level: usize) -> i16 {
     (LEAST + ((level as i32) << STEP_BITS)) as i16
 }
 
-/// The level nearest to log2 σ.
-#[inline]
-#[must_use]
-pub const fn level(log: i32) -> usize {
-    let level = (log - LEAST + (1 << (STEP_BITS - 1))) >> STEP_BITS;
-    if level < 0 {
-        0
-    } else if level >= LEVELS as i32 {
-        LEVELS - 1
-    } else {
-        level as usize
-    }
-}
-
-/// Taps of a width for a sample at `place` of `1 << bits` places in its pixel.
+/// Taps of a width for a sample at `place` of `1 << bits` places in its pixel, `bits` at most 7.
 #[inline]
 #[must_use]
 pub fn taps(width: i16, place: u32, bits: u32) -> Taps<u16> {
     let above = i32::from(width) - LEAST;
     let level = (above >> STEP_BITS) as usize;
-    if bits == 7
-        && above & ((1 << STEP_BITS) - 1) == 0
-        && let Some(row) = TABLE
-            .get(level)
-            .and_then(|rows| rows.get(place as usize & (PLACES - 1)))
+    // The middle of a step that is wider than those of the table: the place after it.
+    let fine = ((2 * place + 1) << (7 - bits) >> 1) as usize;
+    let row = |level: usize| TABLE.get(level).and_then(|rows| rows.get(fine));
+    if (0..=MOST - LEAST).contains(&above)
+        && let (Some(narrow), Some(wide)) = (row(level), row(level + 1))
     {
-        let [a, b, c, d, e, f, g, ends] = *row;
+        let part = above as u32 & ((1 << STEP_BITS) - 1);
+        let mut weights = [0; SPAN];
+        for (tap, (a, b)) in weights[1..8].iter_mut().zip(narrow.iter().zip(wide)) {
+            // A wider filter's taps are nowhere smaller.
+            *tap = a + ((u32::from(b.saturating_sub(*a)) * part) >> STEP_BITS) as u16;
+        }
         Taps {
-            weights: [0, a, b, c, d, e, f, g, 0],
-            first: i32::from(ends & 15) - 3,
-            last: i32::from(ends >> 4) - 3,
+            weights,
+            first: i32::from(wide[7] & 15) - 3,
+            last: i32::from(wide[7] >> 4) - 3,
         }
     } else {
         let steps = 2 * place as i32 + 1 - (1 << bits);
@@ -157,46 +150,89 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_table_holds_what_is_computed() {
-        for level in 0..LEVELS {
-            for place in 0..PLACES as u32 {
-                let table = taps(width(level), place, 7);
+    fn the_table_holds_what_is_computed_and_wider_filters_are_nowhere_smaller() {
+        for (level, rows) in TABLE.iter().enumerate() {
+            let wider = &TABLE[(level + 1).min(LEVELS - 1)];
+            for (place, (row, next)) in rows.iter().zip(wider).enumerate() {
                 let computed = compute(width(level), 2 * place as i32 + 1 - 128);
-                assert_eq!(table.weights, computed.weights);
-                assert_eq!((table.first, table.last), (computed.first, computed.last));
-                assert!(table.first <= 0 && table.last >= 0);
+                assert_eq!(row[..7], computed.weights[1..8]);
+                assert_eq!((computed.weights[0], computed.weights[8]), (0, 0));
+                assert!(row[..7].iter().zip(next).all(|(a, b)| a <= b));
+                assert!(row[7] & 15 >= next[7] & 15 && row[7] >> 4 <= next[7] >> 4);
             }
         }
+    }
+
+    /// e^(−d²/2σ²) − e^(−4.5), zero beyond 3 σ and 4 px, with 15 fractional bits.
+    fn exact(log2: f64, d: f64) -> f64 {
+        let u = d / log2.exp2();
+        if u.abs() < 3.0 && d.abs() < f64::from(REACH) {
+            ((-0.5 * u * u).exp() - (-4.5f64).exp()) * 32768.0
+        } else {
+            0.0
+        }
+    }
+
+    /// The same interpolated between levels.
+    fn between(width: i16, d: f64) -> f64 {
+        let above = f64::from(i32::from(width) - LEAST) / 256.0;
+        let at = |level: f64| exact((f64::from(LEAST) + 256.0 * level) / 2048.0, d);
+        at(above.floor()) + (at(above.floor() + 1.0) - at(above.floor())) * above.fract()
+    }
+
+    /// The worst difference from `exact`, in units; the taps' middle is `shift` px after that of
+    /// the step.
+    fn worst(
+        widths: core::ops::RangeInclusive<i32>,
+        (bits, shift): (u32, f64),
+        exact: impl Fn(i16, f64) -> f64,
+    ) -> f64 {
+        let mut worst: f64 = 0.0;
+        for width in widths.map(|width| width as i16) {
+            for place in 0..1 << bits {
+                let taps = taps(width, place, bits);
+                let offset = (f64::from(place) + 0.5) / f64::from(1 << bits) - 0.5 + shift;
+                for (tap, pixel) in taps.weights.iter().zip(-REACH..) {
+                    let exact = exact(width, offset - f64::from(pixel));
+                    worst = worst.max((f64::from(*tap) - exact).abs());
+                    let within = (taps.first..=taps.last).contains(&pixel);
+                    assert!(within || *tap == 0, "{width} {place} {pixel}");
+                }
+            }
+        }
+        worst
     }
 
     #[test]
     fn taps_follow_the_formula() {
-        for level in 0..LEVELS {
-            let sigma = (f64::from(width(level)) / 2048.0).exp2();
-            for offset in -127..128 {
-                let taps = compute(width(level), offset);
-                for (i, tap) in taps.weights.iter().enumerate() {
-                    let d = f64::from(offset) / 256.0 - (i as f64 - f64::from(REACH));
-                    let exact = if d.abs() < 3.0 * sigma {
-                        ((-0.5 * (d / sigma).powi(2)).exp() - (-4.5f64).exp()) * 32768.0
-                    } else {
-                        0.0
-                    };
-                    let error = (f64::from(*tap) - exact).abs();
-                    assert!(error < 12.0, "{level} {offset} {i}: {error}");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn levels_are_the_nearest() {
-        for log in -4000..1500 {
-            let nearest = (0..LEVELS)
-                .min_by_key(|l| (log - i32::from(width(*l))).abs())
-                .expect("levels");
-            let far = (log - i32::from(width(level(log)))).abs();
-            assert_eq!(far, (log - i32::from(width(nearest))).abs());
+        let gaussian = |width: i16, d: f64| exact(f64::from(width) / 2048.0, d);
+        let cases = [
+            (
+                "from the table",
+                worst(LEAST..=MOST, (7, 0.0), between),
+                8.0,
+            ),
+            (
+                "as wider steps",
+                worst(LEAST..=MOST, (4, 1.0 / 256.0), between),
+                8.0,
+            ),
+            (
+                "interpolation",
+                worst(LEAST..=MOST, (7, 0.0), gaussian),
+                85.0,
+            ),
+            // Widths up to 4/3 px: wider ones end in a step at 4 px.
+            (
+                "computed",
+                worst(-4096..=LEAST - 1, (7, 0.0), gaussian),
+                20.0,
+            ),
+            ("computed", worst(MOST + 1..=850, (4, 0.0), gaussian), 20.0),
+        ];
+        for (name, worst, bound) in cases {
+            std::println!("{name}: {worst} of {bound}");
+            assert!(worst < bound, "{name}: {worst}");
         }
     }
 }

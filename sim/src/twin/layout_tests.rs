@@ -7,10 +7,11 @@ use super::params::{self, Level, Params, Transform};
 use super::stages::{
     ALL, BLOCK, DROP_HIDDEN, GATHER_MEANS, GROUP, LOOK, PROJECT, PULL, SCAN_ADD, Source,
 };
-use super::tables::Tables;
+use super::tables::{DISTANCES, Tables};
 use unframed_recon::deep::{Placing, Stored, slot};
 use unframed_recon::motion::{BUCKET_BITS, BUCKETS};
 use unframed_recon::tables::TIME_LEN;
+use unframed_recon::taps;
 
 fn module(source: &Source) -> naga::Module {
     let text = source.whole().join("\n");
@@ -71,7 +72,7 @@ fn structs_lie_as_the_shaders_read_them() {
     same_layout!(
         &PROJECT,
         Tables,
-        [log2_q11, exp2_q15, time, light, srgb_from, srgb_guess]
+        [log2_q11, exp2_q15, time, light, srgb_from, srgb_guess, taps]
     );
     same_layout!(
         &PROJECT,
@@ -106,6 +107,7 @@ fn constant(source: &Source, name: &str) -> u32 {
     };
     match module.global_expressions[constant.init] {
         naga::Expression::Literal(naga::Literal::U32(value)) => value,
+        naga::Expression::Literal(naga::Literal::I32(value)) => value as u32,
         ref other => panic!("{}: {name} is {other:?}", source.name),
     }
 }
@@ -119,6 +121,11 @@ fn constants_are_the_shaders() {
     assert_eq!(constant(&DROP_HIDDEN, "BUCKET_BITS"), BUCKET_BITS);
     assert_eq!(constant(&PROJECT, "STATIC_SLOT"), u32::from(slot(0)));
     assert_eq!(constant(&PROJECT, "TIME_CHORDS") as usize + 1, TIME_LEN);
+    assert_eq!(constant(&GATHER_MEANS, "LEAST") as i32, taps::LEAST);
+    assert_eq!(constant(&GATHER_MEANS, "MOST") as i32, taps::MOST);
+    assert_eq!(constant(&GATHER_MEANS, "STEP_BITS"), taps::STEP_BITS);
+    assert_eq!(constant(&GATHER_MEANS, "FOOT"), taps::FOOT);
+    assert_eq!(constant(&GATHER_MEANS, "TAP_STEPS") as usize, DISTANCES);
 }
 
 /// The shaders take a sample apart by shifts; here its bytes are where those shifts look.

@@ -6,6 +6,7 @@ use unframed_recon::display::ENCODED;
 use unframed_recon::tables::{
     EXP2_Q15, LOG2_Q11, SRGB_FROM, SRGB_GUESS, SRGB_TO_LINEAR, TIME, TIME_LEN,
 };
+use unframed_recon::taps::{DISTANCE_BITS, LEVELS, PLACES, TABLE};
 
 /// The arrays of [`unframed_recon::tables`]; twin of `Tables` in `common.wgsl`. Of those between
 /// whose entries one interpolates each word holds the two ends of a chord, the first in the low
@@ -25,6 +26,9 @@ pub struct Tables {
     pub srgb_from: [u32; 256],
     /// [`SRGB_GUESS`].
     pub srgb_guess: [u32; 4096],
+    /// Chords between the levels of [`TABLE`], by level and distance: of the odd multiples of
+    /// 1/256 px, for a tap does not depend on the side.
+    pub taps: [u32; STEPS * DISTANCES],
 }
 
 impl Tables {
@@ -47,8 +51,26 @@ impl Tables {
             light: light.map(u32::from),
             srgb_from: SRGB_FROM.map(u32::from),
             srgb_guess: SRGB_GUESS.map(u32::from),
+            taps: taps(),
         }
     }
+}
+
+/// Levels of [`TABLE`] that have a next.
+const STEPS: usize = LEVELS - 1;
+/// Distances below 3.5 px in 1/256 px, the odd ones.
+pub(super) const DISTANCES: usize = 448;
+
+/// See [`Tables::taps`].
+fn taps() -> [u32; STEPS * DISTANCES] {
+    std::array::from_fn(|i| {
+        let (level, distance) = (i / DISTANCES, 2 * (i % DISTANCES) + 1);
+        // A sample that far after the middle of a pixel: the pixel is so many before its own.
+        let before = (distance + PLACES) >> DISTANCE_BITS;
+        let place = (distance + PLACES - (before << DISTANCE_BITS)) / 2;
+        let tap = |level: usize| u32::from(TABLE[level][place][3 - before]);
+        tap(level) | tap(level + 1) << 16
+    })
 }
 
 /// Neighbouring entries in one word; `N` is one less than the table's length.

@@ -6,7 +6,7 @@ use super::{
     ADAPTIVE, Case, adapter_or_skip, check, compare, difference, four_refreshes, stage_difference,
 };
 use unframed_recon::Config;
-use unframed_recon::config::{Extents, Fit};
+use unframed_recon::config::{Extents, Fit, Light, TimeKernel};
 use unframed_sim::GpuPlayer;
 use unframed_sim::twin::Tables;
 use unframed_wire::{Layout, Tick, View, WorldSample};
@@ -268,8 +268,7 @@ fn a_heap_of_samples_on_one_pixel_is_equal() {
 /// Changes a table.
 type Flip = fn(&mut Tables);
 
-/// The comparison must be able to fail: a low bit of entries of each table shows. (Widths come in
-/// steps, so one entry's may well round to the same width.)
+/// The comparison must be able to fail: the lowest bits of each table's entries show.
 #[test]
 fn a_flipped_bit_in_any_table_is_found() {
     let Some(gpu) = adapter_or_skip("the check of equality") else {
@@ -277,23 +276,44 @@ fn a_flipped_bit_in_any_table_is_found() {
     };
     let size = (64, 64);
     let bytes = four_refreshes(size, Layout::World, 12_000, 5);
-    let case = Case {
-        config: ADAPTIVE,
-        size,
-        samples: 12_000,
+    let kernel = |kernel| Config { kernel, ..ADAPTIVE };
+    let encoded = Config {
+        light: Light::Encoded,
+        ..ADAPTIVE
     };
-    let flips: [(&str, Flip); 6] = [
-        ("log2_q11", |t| t.log2_q11.iter_mut().for_each(|v| *v ^= 1)),
-        ("exp2_q15", |t| t.exp2_q15.iter_mut().for_each(|v| *v ^= 1)),
-        ("time", |t| t.time.iter_mut().for_each(|v| *v ^= 1)),
-        ("light", |t| t.light[243] ^= 1 << 5),
-        ("srgb_from", |t| t.srgb_from[206] += 64),
-        ("srgb_guess", |t| {
-            t.srgb_guess.iter_mut().for_each(|v| *v ^= 1)
+    let time: Flip = |t| t.time.iter_mut().for_each(|v| *v ^= 1);
+    let light: Flip = |t| t.light.iter_mut().for_each(|v| *v ^= 1);
+    let flips: [(&str, Config, Flip); 10] = [
+        ("log2_q11", ADAPTIVE, |t| {
+            t.log2_q11.iter_mut().for_each(|v| *v ^= 1);
+        }),
+        // Widths beyond the table of taps.
+        ("exp2_q15", Config::PAPER, |t| {
+            t.exp2_q15.iter_mut().for_each(|v| *v ^= 1);
+        }),
+        ("time, rational", kernel(TimeKernel::Rational), time),
+        ("time, Gaussian", kernel(TimeKernel::Gaussian), time),
+        ("time, exponential", kernel(TimeKernel::Exponential), time),
+        ("light, linear", ADAPTIVE, light),
+        ("light, encoded", encoded, light),
+        ("srgb_from", ADAPTIVE, |t| {
+            t.srgb_from.iter_mut().for_each(|v| *v ^= 1);
+        }),
+        ("srgb_guess", ADAPTIVE, |t| {
+            t.srgb_guess.iter_mut().for_each(|v| *v ^= 1);
+        }),
+        ("taps", ADAPTIVE, |t| {
+            t.taps.iter_mut().for_each(|v| *v ^= 1)
         }),
     ];
-    for (name, flip) in flips {
-        let mut tables = Tables::new(&case.config);
+    for (name, config, flip) in flips {
+        let case = Case {
+            config,
+            size,
+            samples: 12_000,
+        };
+        let mut tables = Tables::new(&config);
+        assert_eq!(difference(&gpu, case, &tables, &bytes), None, "{name}");
         flip(&mut tables);
         let found = difference(&gpu, case, &tables, &bytes);
         assert!(found.is_some(), "{name}: not found");

@@ -36,6 +36,7 @@ struct Tables {
     light: array<u32, 256>,
     srgb_from: array<u32, 256>,
     srgb_guess: array<u32, 4096>,
+    taps: array<u32, 6272>,
 }
 
 @group(0) @binding(0) var<uniform> params: Params;

@@ -149,16 +149,34 @@ fn reach(width: i32) -> u32 {
     return min(exp2_q(width + 3246i, i32(DISTANCE_BITS)), u32(REACH) << DISTANCE_BITS);
 }
 
-// What a tap needs of its width: the reach (low half) and log2(e)/2σ² with 12 fractional bits.
+// log2 of the least and greatest width in the table of taps, twin of taps::LEAST and taps::MOST.
+const LEAST: i32 = -3129i;
+const MOST: i32 = 454i;
+// log2 of the step between its levels, and how many distances, the odd ones, are in each.
+const STEP_BITS: u32 = 8u;
+const TAP_STEPS: u32 = 448u;
+// Marks a footprint whose taps come from the table.
+const IN_TABLE: u32 = 0x8000u;
+
+// What a tap needs of its width. Low half: IN_TABLE and the reach. High half: in the table how far
+// the width is above the least, else log2(e)/2σ² with 12 fractional bits.
 fn footprint(width: i32) -> u32 {
+    if width >= LEAST && width <= MOST {
+        let above = u32(width - LEAST);
+        let wider = LEAST + i32(((above >> STEP_BITS) + 1u) << STEP_BITS);
+        return pack16(reach(wider) | IN_TABLE, above);
+    }
     return pack16(reach(width), exp2_q(-965i - 2i * width, 12i));
 }
+
+// In units of a distance.
+fn footprint_reach(footprint: u32) -> u32 { return footprint & 0x7fffu; }
 
 // The farthest pixel, in pixels from that of a sample, in which it can have a share: its distance
 // from that pixel's centre is more than half a pixel less.
 fn whole_reach(footprint: u32) -> i32 {
     let half = 1u << (DISTANCE_BITS - 1u);
-    return i32((low16(footprint) + half - 1u) >> DISTANCE_BITS);
+    return i32((footprint_reach(footprint) + half - 1u) >> DISTANCE_BITS);
 }
 
 // What a Gaussian is at 3 σ, with 15 fractional bits, twin of taps::FOOT.
@@ -166,9 +184,18 @@ const FOOT: u32 = 364u;
 
 // The filter tap at a distance: e^(−d²/2σ²) − e^(−4.5), zero beyond 3 σ.
 fn tap(footprint: u32, distance: i32) -> u32 {
-    let d = u32(abs(distance));
-    if d >= low16(footprint) { return 0u; }
-    return max(exp2_negative((d * d * (footprint >> 16u)) >> 16u), FOOT) - FOOT;
+    let high = footprint >> 16u;
+    if (footprint & IN_TABLE) == 0u {
+        let d = u32(abs(distance));
+        if d >= footprint_reach(footprint) { return 0u; }
+        return max(exp2_negative((d * d * high) >> 16u), FOOT) - FOOT;
+    }
+    // The middle of a step that is wider than those of the table: the place after it.
+    let d = u32(abs(distance | 1i));
+    if d >= footprint_reach(footprint) { return 0u; }
+    let ends = tables.taps[(high >> STEP_BITS) * TAP_STEPS + (d >> 1u)];
+    let part = high & ((1u << STEP_BITS) - 1u);
+    return low16(ends) + ((((ends >> 16u) - low16(ends)) * part) >> STEP_BITS);
 }
 
 // Product of weights.

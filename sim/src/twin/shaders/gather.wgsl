@@ -126,7 +126,7 @@ fn main(
                 distance_from(low16(place), x),
                 distance_from(place >> 16u, y),
             );
-            if any(vec2<u32>(abs(at)) >= (own & vec2<u32>(0xffffu))) { continue; }
+            if any(vec2<u32>(abs(at)) >= (own & vec2<u32>(0x7fffu))) { continue; }
             let sample = sorted[k];
             let weight = times(times(sample.z >> 16u, tap(own.y, at.y)), tap(own.x, at.x));
             if weight == 0u { continue; }

@@ -5,8 +5,6 @@
 // Width (as i32 bits) and footprint.
 @group(0) @binding(3) var<storage, read_write> widths: array<vec2<u32>>;
 
-// log2 of the least width of a density, twin of taps::LEAST.
-const LEAST: i32 = -3129i;
 // The most that one pixel's mass counts: 64 samples.
 const MASS_LIMIT: u32 = 2097152u;
 
@@ -17,8 +15,7 @@ fn saturated(mass: W64) -> u32 {
 fn width_of(mass: u32) -> i32 {
     // log2(0.55 · 5) is 2989; a mass has 15 fractional bits.
     let sigma = 2989i - ((log2_q11(w64_from_u32(max(mass, 1u))) - 15i * 2048i) >> 1u);
-    // The nearest of 15 widths, an eighth of an octave apart.
-    return LEAST + (clamp((sigma - LEAST + 128i) >> 8u, 0i, 14i) << 8u);
+    return clamp(sigma, LEAST, MOST);
 }
 
 @compute @workgroup_size(64)
