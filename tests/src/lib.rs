@@ -10,6 +10,7 @@
 //!
 //! Everything here may panic: it is for tests and for the examples that write their tables.
 
+pub mod accuracy;
 pub mod backends;
 pub mod cases;
 pub mod controller;

@@ -8,19 +8,10 @@ use unframed_sim::boards::elf::Contents;
 use unframed_sim::boards::{Board, BoardError, Image, Target};
 use unframed_tests::backends::{Show, adapter_or_skip, boards_or_skip, firmware};
 use unframed_tests::controller::Controller;
-use unframed_tests::scenes::{RATE, SIZE, record};
+use unframed_tests::scenes::{RATE, REFRESHES, SIZE, record, recorded};
 
 /// Bytes of stack that the reconstructor may use, of the 16 KiB that the boards have.
 const STACK: u64 = 12 * 1024;
-
-const REFRESHES: u32 = 6;
-
-fn scene_streams() -> impl Iterator<Item = (&'static str, Vec<u8>)> {
-    BUILTIN
-        .iter()
-        .take(3)
-        .map(|scene| (*scene, record(scene, 8 * RATE, REFRESHES)))
-}
 
 fn show(bytes: &[u8]) -> Show<'_> {
     Show {
@@ -35,7 +26,7 @@ fn show(bytes: &[u8]) -> Show<'_> {
 fn every_back_end_shows_the_same_bits_of_the_scenes() {
     let gpu = adapter_or_skip("the scenes on the adapter");
     let boards = boards_or_skip(Image::Play, "the scenes on the boards");
-    for (scene, bytes) in scene_streams() {
+    for (scene, bytes) in recorded() {
         let show = show(&bytes);
         let hashes = show.fixed().hashes();
         assert_eq!(hashes.len(), REFRESHES as usize);

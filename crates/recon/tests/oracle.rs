@@ -167,7 +167,7 @@ fn check(name: &str, config: Config) {
         at(1.0)
     );
     assert!(
-        at(0.95) <= 1 && at(0.999) <= 6,
+        at(0.99) <= 1 && at(0.999) <= 2,
         "{name}: 99.9 % at {}",
         at(0.999)
     );
