@@ -9,9 +9,11 @@
 //!
 //! The fuzz target `oracle` includes this file: it needs the reconstructor and the wire alone.
 
-use unframed_recon::arith::GUARD;
+use unframed_recon::arith::{GUARD, REACH};
+use unframed_recon::config::Extents;
 use unframed_recon::decisions::Decision;
 use unframed_recon::heap::HeapStorage;
+use unframed_recon::tables::SRGB_TO_LINEAR;
 use unframed_recon::{Arith, Config, Display, Fixed, Panel, Player};
 
 /// Steps of a log2 in one octave, as the integers count them.
@@ -19,11 +21,18 @@ const STEPS: f64 = 2048.0;
 /// How close two depths were if rounding flipped their comparison, in such steps: each is within
 /// 1.25 steps of the truth, and [`Arith::behind`] adds half a step.
 pub const CLOSE_DEPTHS: f64 = 3.0;
-/// How close a sample lay to a border that rounding moved it across, in steps of its coordinate.
-pub const CLOSE_BORDER: f64 = 0.125;
-/// How far two widths may be apart without a flip nearby, in steps of their log2: 2.5 of their own
-/// and what the weights around are off.
+/// How close a sample lay to a border that rounding moved it across, in steps of its coordinate,
+/// for the quotient alone.
+pub const CLOSE_BORDER: f64 = 1.0 / 64.0;
+/// How far the numerators of a place and its depth are from the truth, in units of their exponent:
+/// half a unit for each entry of a matrix and lattice step, one for the offset.
+pub const NUMERATOR: f64 = 1.5 * 32768.0 + 1.0;
+/// How far two widths of a density may be apart without a flip nearby, in steps of their log2: 2.5
+/// of their own and what the weights around are off.
 pub const CLOSE_WIDTHS: f64 = 16.0;
+/// How far two widths of gradients may be apart: four logs rounded to 8 steps each go into them, up
+/// to 8 times in all.
+pub const CLOSE_EXTENTS: f64 = 64.0;
 
 /// How a stream is shown.
 #[derive(Clone, Copy, Debug)]
@@ -41,6 +50,8 @@ pub struct Setting {
 pub struct Flips {
     /// In sight or not, at the far border of the guard band.
     pub sight: usize,
+    /// Weighing 2^−15 or nothing, at the end of its life.
+    pub faded: usize,
     /// Which pixel, near a border.
     pub borders: usize,
     /// Hidden or not, by nearly equal depths.
@@ -51,17 +62,20 @@ pub struct Flips {
     pub unexplained: usize,
 }
 
-/// The largest differences of what is known of a sample before anything is decided.
+/// The largest differences: of what is known of a sample before anything is decided, and of light.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Errors {
-    /// Of a coordinate from the middle of its step, in steps.
+    /// Of a coordinate from the middle of its step, in steps, beyond what numerators lend.
     pub place: f64,
-    /// Of log2 of depth, in 1/2048.
+    /// Of log2 of depth, in 1/2048, beyond what numerators lend.
     pub depth: f64,
     /// Of the weight in time, in 2^−15.
     pub weight: f64,
     /// Of log2 of a filter width that no flip changed, in 1/2048.
     pub width: f64,
+    /// Of linear light, 0..1, at pixels that no flip reaches and whose weights sum up to a whole
+    /// sample's at least.
+    pub light: f64,
 }
 
 /// What came of a comparison, over all its refreshes.
@@ -69,7 +83,8 @@ pub struct Errors {
 pub struct Accuracy {
     /// Pixels that no flipped sample reaches, by the largest difference of their three colours.
     pub others: [usize; 256],
-    /// Pixels that a flipped sample reaches, the same way.
+    /// Pixels that a flipped sample reaches, the same way, or one whose place integers do not know
+    /// to half a step: views that no camera has make those.
     pub reached: [usize; 256],
     /// Samples in sight, summed over refreshes: each was decided upon.
     pub decisions: usize,
@@ -151,17 +166,27 @@ pub fn compare(bytes: &[u8], setting: &Setting) -> Accuracy {
         let pairs: Vec<_> = decided
             .zip(oracle.display().decisions(refresh.time))
             .collect();
-        let reached = Flipped::new(&panel, &mut accuracy).find(&pairs);
+        let mut flipped = Flipped::new(&panel, setting.config.extents, &mut accuracy);
+        flipped.find(&pairs);
+        let (reached, weights) = (flipped.reached, flipped.weights);
         let ours = fixed.display().picture().iter();
-        let pixels = ours.zip(oracle.display().picture()).zip(reached);
-        for ((ours, theirs), reached) in pixels {
+        let pixels = ours.zip(oracle.display().picture());
+        for (((ours, theirs), reached), weight) in pixels.zip(reached).zip(weights) {
             let level = (0..3).map(|c| ours[c].abs_diff(theirs[c])).max();
-            let counts = if reached {
-                &mut accuracy.reached
+            let level = usize::from(level.unwrap_or(0));
+            if reached {
+                accuracy.reached[level] += 1;
             } else {
-                &mut accuracy.others
-            };
-            counts[usize::from(level.unwrap_or(0))] += 1;
+                accuracy.others[level] += 1;
+                if weight >= 1.0 {
+                    let light = |rgb: &[u8; 3], c: usize| {
+                        f64::from(SRGB_TO_LINEAR[usize::from(rgb[c])]) / 65535.0
+                    };
+                    let apart = |c| (light(ours, c) - light(theirs, c)).abs();
+                    let apart = (0..3).map(apart).fold(0.0, f64::max);
+                    accuracy.errors.light = accuracy.errors.light.max(apart);
+                }
+            }
         }
     }
 }
@@ -172,41 +197,73 @@ type Pair = (Option<Decision<Fixed>>, Option<Decision<f64>>);
 /// The flipped decisions of a refresh.
 struct Flipped<'a> {
     panel: &'a Panel,
+    /// How far two widths may be apart without a flip.
+    close_widths: f64,
     accuracy: &'a mut Accuracy,
     /// The pixels that a sample entered or left.
     moved: Vec<bool>,
     /// The pixels that a flipped sample reaches.
     reached: Vec<bool>,
-    /// Whether a sample counted for another pixel anywhere.
+    /// The weights of each pixel's samples, summed.
+    weights: Vec<f64>,
+    /// Whether the depth of some sample counted for another pixel or not at all.
     strayed: bool,
+    /// How far numerators moved a log2 of depth at most.
+    blur: f64,
+}
+
+/// How far a sample's numerators are from the truth, in parts of its depth (a log2), given their
+/// unit.
+fn blur(unit: f64, depth: f64) -> f64 {
+    let blur = NUMERATOR * unit / depth.exp2();
+    if blur < 0.5 { blur } else { f64::INFINITY }
+}
+
+/// How far a coordinate is off by that, pixels: numerators are pixels times depth.
+fn strays(blur: f64, at: [f64; 2]) -> f64 {
+    2.0 * blur * (2.0 + at[0].max(at[1]))
 }
 
 impl<'a> Flipped<'a> {
-    fn new(panel: &'a Panel, accuracy: &'a mut Accuracy) -> Self {
+    fn new(panel: &'a Panel, extents: Extents, accuracy: &'a mut Accuracy) -> Self {
+        let close_widths = match extents {
+            Extents::Gradient => CLOSE_EXTENTS,
+            _ => CLOSE_WIDTHS,
+        };
         Self {
             panel,
+            close_widths,
             accuracy,
             moved: vec![false; panel.pixels()],
             reached: vec![false; panel.pixels()],
+            weights: vec![0.0; panel.pixels()],
             strayed: false,
+            blur: 0.0,
         }
     }
 
-    /// The pixels that flipped samples reach.
-    fn find(mut self, pairs: &[Pair]) -> Vec<bool> {
+    fn find(&mut self, pairs: &[Pair]) {
         for pair in pairs {
             match pair {
                 (Some(ours), Some(theirs)) => self.place(ours, theirs),
-                // At the end of its life a sample weighs a unit or nothing.
                 (Some(ours), None) if ours.seen.weight > 1 => {
-                    let [x, y] = [ours.seen.x, ours.seen.y].map(|v| f64::from(v) + 0.5);
-                    let steps = f64::from(1 << self.panel.frac_bits);
-                    self.sight(ours.pixel, [x / steps, y / steps]);
+                    let at =
+                        [ours.seen.x, ours.seen.y].map(|v| (f64::from(v) + 0.5) / self.steps());
+                    let unit = f64::from(ours.transform.exponent).exp2();
+                    let blur = blur(unit, f64::from(ours.seen.depth) / STEPS);
+                    self.sight(ours.pixel, at, blur);
                 }
                 (None, Some(theirs)) if theirs.seen.weight * 32768.0 > 1.5 => {
-                    self.sight(theirs.pixel, [theirs.seen.x, theirs.seen.y]);
+                    let seen = &theirs.seen;
+                    let blur = blur(theirs.transform.unit(), seen.depth);
+                    self.sight(theirs.pixel, [seen.x, seen.y], blur);
                 }
-                _ => {}
+                (None, None) => {}
+                // At the end of its life a sample weighs a unit or nothing. Its depth still counts.
+                (Some(_), None) | (None, Some(_)) => {
+                    self.accuracy.flips.faded += 1;
+                    self.strayed = true;
+                }
             }
             self.accuracy.decisions += usize::from(pair.0.is_some() || pair.1.is_some());
         }
@@ -215,16 +272,16 @@ impl<'a> Flipped<'a> {
                 self.hidden_and_width(ours, theirs);
             }
         }
-        self.reached
     }
 
     /// A sample in sight of one alone.
-    fn sight(&mut self, pixel: usize, at: [f64; 2]) {
+    fn sight(&mut self, pixel: usize, at: [f64; 2], blur: f64) {
         let sizes = [self.panel.width, self.panel.height];
         let close = at.iter().zip(sizes).any(|(v, size)| {
             let end = f64::from(size) + 2.0 * f64::from(GUARD);
             // The middle of a step is half a step inside.
-            v.abs().min((v - end).abs()) * self.steps() <= 0.5 + CLOSE_BORDER
+            let to_border = v.abs().min((v - end).abs()) - strays(blur, at);
+            to_border * self.steps() <= 0.5 + CLOSE_BORDER
         });
         let flips = &mut self.accuracy.flips;
         *(if close {
@@ -243,13 +300,20 @@ impl<'a> Flipped<'a> {
 
     /// Where a sample is, and for which pixel it counts.
     fn place(&mut self, ours: &Decision<Fixed>, theirs: &Decision<f64>) {
-        let (steps, errors) = (self.steps(), &mut self.accuracy.errors);
         let (a, b) = (&ours.seen, &theirs.seen);
+        let blur = blur(theirs.transform.unit(), b.depth);
+        let strays = strays(blur, [b.x, b.y]) * self.steps();
+        let deeper = -(1.0 - blur).log2() * STEPS;
+        self.blur = self.blur.max(deeper);
+        if strays > 0.5 {
+            self.reach(ours, theirs);
+        }
+        let (steps, errors) = (self.steps(), &mut self.accuracy.errors);
         for (v, exact) in [(a.x, b.x), (a.y, b.y)] {
-            let error = (f64::from(v) + 0.5 - exact * steps).abs();
+            let error = (f64::from(v) + 0.5 - exact * steps).abs() - strays;
             errors.place = errors.place.max(error);
         }
-        let depth = (f64::from(a.depth) - (b.depth * STEPS).clamp(0.0, 65534.0)).abs();
+        let depth = (f64::from(a.depth) / STEPS - told_apart(b.depth)).abs() * STEPS - deeper;
         errors.depth = errors.depth.max(depth);
         let weight = (f64::from(a.weight) - b.weight * 32768.0).abs();
         errors.weight = errors.weight.max(weight);
@@ -259,8 +323,9 @@ impl<'a> Flipped<'a> {
         let theirs_at = pixels(f64::pixel(self.panel, b.x), f64::pixel(self.panel, b.y));
         if ours_at != theirs_at {
             let to_border = |v: f64| (v - v.round()).abs() * steps;
-            let close = (0..2)
-                .all(|k| ours_at[k] == theirs_at[k] || to_border([b.x, b.y][k]) <= CLOSE_BORDER);
+            let close = (0..2).all(|k| {
+                ours_at[k] == theirs_at[k] || to_border([b.x, b.y][k]) <= CLOSE_BORDER + strays
+            });
             let flips = &mut self.accuracy.flips;
             *(if close {
                 &mut flips.borders
@@ -280,7 +345,8 @@ impl<'a> Flipped<'a> {
         if ours.hidden && theirs.hidden {
             return;
         }
-        let close = |a: f64, b: f64| (a - b).abs() * STEPS <= CLOSE_DEPTHS;
+        let tolerance = CLOSE_DEPTHS + 2.0 * self.blur;
+        let close = |a, b| (told_apart(a) - told_apart(b)).abs() * STEPS <= tolerance;
         let widths = ours.widths.iter().zip(theirs.widths);
         let apart = widths.map(|(a, b)| (f64::from(*a) - b * STEPS).abs());
         let apart = apart.fold(0.0, f64::max);
@@ -299,7 +365,7 @@ impl<'a> Flipped<'a> {
             } else {
                 &mut flips.unexplained
             }
-        } else if apart > CLOSE_WIDTHS {
+        } else if apart > self.close_widths {
             if ours.pixel != theirs.pixel || moved_near(self.panel, &self.moved, theirs.pixel) {
                 &mut flips.followed
             } else {
@@ -307,10 +373,28 @@ impl<'a> Flipped<'a> {
             }
         } else {
             self.accuracy.errors.width = self.accuracy.errors.width.max(apart);
+            self.weigh(theirs);
             return;
         };
         *reason += 1;
         self.reach(ours, theirs);
+    }
+
+    /// Adds a sample's shares to the weights.
+    fn weigh(&mut self, theirs: &Decision<f64>) {
+        let panel = self.panel;
+        let axis = |k: usize, v| {
+            let taps = f64::taps(panel, theirs.widths[k], v).weights;
+            let first = f64::pixel(panel, v) - REACH;
+            (first..).zip(taps).filter(|(_, tap)| *tap > 0.0)
+        };
+        for (y, down) in axis(1, theirs.seen.y) {
+            for (x, across) in axis(0, theirs.seen.x) {
+                if let Some(pixel) = panel.inside(x, y) {
+                    self.weights[pixel] += theirs.seen.weight * down * across;
+                }
+            }
+        }
     }
 
     /// Marks the pixels of a sample's footprint, in either arithmetic.
@@ -332,6 +416,11 @@ impl<'a> Flipped<'a> {
     }
 }
 
+/// A log2 of depth within those that integers tell apart.
+fn told_apart(depth: f64) -> f64 {
+    depth.clamp(0.0, 65534.0 / STEPS)
+}
+
 /// Whether a sample entered or left one of the 5 × 5 pixels whose weights give a width.
 fn moved_near(panel: &Panel, moved: &[bool], pixel: usize) -> bool {
     let width = usize::from(panel.width);
@@ -345,6 +434,8 @@ fn moved_near(panel: &Panel, moved: &[bool], pixel: usize) -> bool {
 mod tests {
     use super::*;
     use unframed_recon::arith::Projected;
+    use unframed_recon::float::FloatTransform;
+    use unframed_recon::transform::Transform;
 
     /// One sample at a place and depth as both see it, `moved` px apart, and whether it is hidden.
     fn pair(moved: f64, depth: u16, limit: u16, hidden: [bool; 2]) -> Pair {
@@ -358,6 +449,7 @@ mod tests {
                 reach: [0, 0],
                 ..Projected::<Fixed>::default()
             },
+            transform: Transform::default(),
             pixel: 0,
             limit,
             near_mover: false,
@@ -373,6 +465,7 @@ mod tests {
                 reach: [0.0, 0.0],
                 ..Projected::<f64>::default()
             },
+            transform: FloatTransform::default(),
             pixel: 0,
             limit: f64::from(limit) / STEPS,
             near_mover: false,
@@ -385,8 +478,9 @@ mod tests {
     fn flips(pair: Pair) -> (Flips, usize) {
         let mut accuracy = Accuracy::default();
         let panel = Panel::new(16, 16).expect("a sound panel");
-        let reached = Flipped::new(&panel, &mut accuracy).find(&[pair]);
-        let reached = reached.iter().filter(|reached| **reached).count();
+        let mut flipped = Flipped::new(&panel, Extents::Density, &mut accuracy);
+        flipped.find(&[pair]);
+        let reached = flipped.reached.iter().filter(|reached| **reached).count();
         (accuracy.flips, reached)
     }
 

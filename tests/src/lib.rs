@@ -2,6 +2,8 @@
 //!
 //! | module | concern |
 //! |---|---|
+//! | [`accuracy`] | integers against the oracle, decision by decision |
+//! | [`fuzzed`] | streams made of any bytes |
 //! | [`stream`] | streams made by hand |
 //! | [`scenes`] | streams of the built-in scenes, recorded by the host |
 //! | [`backends`] | the displays that must show the same bits, and the oracle |
@@ -14,5 +16,6 @@ pub mod accuracy;
 pub mod backends;
 pub mod cases;
 pub mod controller;
+pub mod fuzzed;
 pub mod scenes;
 pub mod stream;

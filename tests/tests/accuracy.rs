@@ -4,8 +4,9 @@ use unframed_host::scene::builtin::BUILTIN;
 use unframed_recon::Config;
 use unframed_tests::accuracy::{Accuracy, Setting, compare};
 use unframed_tests::backends::Show;
-use unframed_tests::cases;
 use unframed_tests::scenes::{RATE, REFRESHES, SIZE, ideals, record, recorded};
+use unframed_tests::stream::Rng;
+use unframed_tests::{cases, fuzzed};
 
 /// The deployed display of the boards.
 const SETTING: Setting = Setting {
@@ -72,6 +73,25 @@ fn in_the_hard_cases_every_flip_is_explained() {
         let found = compare(show.bytes, &setting);
         assert_eq!(found.flips.unexplained, 0, "{}: {found:?}", case.name);
     }
+}
+
+/// The body of the fuzz target `oracle` over seeded bytes.
+#[test]
+fn any_bytes_are_shown_alike() {
+    let (mut shown, mut decisions, mut borders, mut depths) = (0, 0, 0, 0);
+    for seed in 0..300 {
+        let mut rng = Rng(seed);
+        let data: Vec<u8> = (0..rng.range(50, 1500)).map(|_| rng.bits() as u8).collect();
+        let found = fuzzed::check(&data);
+        shown += usize::from(found.decisions > 0);
+        decisions += found.decisions;
+        borders += found.flips.borders;
+        depths += found.flips.depths;
+    }
+    println!(
+        "{shown} show something; {decisions} decisions; flipped: {borders} by borders, {depths} by depths"
+    );
+    assert!(shown > 150 && decisions > 100_000 && borders > 100 && depths > 10);
 }
 
 /// Root of the mean squared difference, levels of 255.

@@ -14,6 +14,8 @@ use unframed_wire::Tick;
 pub struct Decision<A: Arith> {
     /// Where it was seen and what it weighed before it was looked at as hidden.
     pub seen: Projected<A>,
+    /// What placed it; the default for a sample on the screen.
+    pub transform: A::Transform,
     /// Index of the pixel it counted for: its own, or the nearest of the panel.
     pub pixel: usize,
     /// The depth beyond which samples of that pixel are hidden.
@@ -50,8 +52,10 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
             let at = |v| A::pixel(&self.panel, v);
             let pixel = self.panel.nearest(at(seen.x), at(seen.y));
             let tests = self.config.hidden;
+            let slot = self.slots.get(usize::from(sample.slot));
             Some(Decision {
                 seen,
+                transform: slot.and_then(|slot| slot.transform).unwrap_or_default(),
                 pixel,
                 limit: self.limits.get(pixel).copied().unwrap_or_default(),
                 near_mover: self.movers.get(pixel).is_some_and(|mover| *mover != 0),

@@ -16,6 +16,17 @@ pub struct FloatTransform<F> {
     offset: [F; 3],
 }
 
+impl FloatTransform<f64> {
+    /// The unit that integers have for its numerators at most: 2^−29 of the largest entry or
+    /// 2^−48 of the largest offset, see [`crate::transform::Transform::compose`].
+    #[must_use]
+    pub fn unit(&self) -> f64 {
+        let most = |values: &[f64]| values.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        let (entry, offset) = (most(self.matrix.as_flattened()), most(&self.offset));
+        (entry / f64::from(1 << 29)).max(offset / f64::from(1 << 24).powi(2))
+    }
+}
+
 macro_rules! float_arith {
     ($float:ty, $exp2:path, $log2:path, $exp:path, $floor:path) => {
         impl Arith for $float {
