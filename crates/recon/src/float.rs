@@ -23,7 +23,7 @@ impl FloatTransform<f64> {
     pub fn unit(&self) -> f64 {
         let most = |values: &[f64]| values.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
         let (entry, offset) = (most(self.matrix.as_flattened()), most(&self.offset));
-        (entry / f64::from(1 << 29)).max(offset / f64::from(1 << 24).powi(2))
+        (entry / f64::from(1 << 29)).max(offset / (1u64 << 48) as f64)
     }
 }
 

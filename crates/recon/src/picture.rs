@@ -7,7 +7,7 @@ use crate::display::{Display, ENCODED};
 use crate::motion::Reach;
 use crate::project::Instant;
 use crate::splat::{Filter, Target, Widths};
-use crate::tables::{SRGB_TO_LINEAR, linear_to_srgb};
+use crate::tables::{SRGB_TO_LINEAR, even_to_code, linear_to_srgb};
 use crate::workers::{MAX_PARTS, Parts, Workers, take};
 use crate::{hidden, solve, splat};
 use core::ops::Range;
@@ -198,7 +198,7 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
                     let code = A::to_u16(v);
                     match light {
                         Light::Linear => linear_to_srgb(code),
-                        Light::Encoded => ((u32::from(code) + 128) / 257) as u8,
+                        Light::Encoded => even_to_code(code),
                     }
                 });
             }

@@ -179,6 +179,13 @@ pub fn linear_to_srgb(light: u16) -> u8 {
     code
 }
 
+/// The 8-bit code nearest to a light of 16 bits that is spread evenly over the codes.
+#[inline]
+#[must_use]
+pub const fn even_to_code(light: u16) -> u8 {
+    ((light as u32 + 128) / 257) as u8
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -218,6 +225,20 @@ mod tests {
         }
         for code in 0..=255u8 {
             assert_eq!(linear_to_srgb(SRGB_TO_LINEAR[usize::from(code)]), code);
+        }
+    }
+
+    #[test]
+    fn even_codes_are_exact_and_round_trip() {
+        for light in 0..=u16::MAX {
+            let exact = f64::from(light) / 257.0;
+            assert!(
+                (f64::from(even_to_code(light)) - exact).abs() <= 0.5,
+                "{light}"
+            );
+        }
+        for code in 0..=255u8 {
+            assert_eq!(even_to_code(u16::from(code) * 257), code);
         }
     }
 }
