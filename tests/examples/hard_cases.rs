@@ -4,23 +4,9 @@
 use unframed_recon::frame_hash;
 use unframed_sim::Gpu;
 use unframed_sim::boards::{Board, Image};
+use unframed_tests::accuracy::compare;
 use unframed_tests::backends::Outcome;
 use unframed_tests::cases::{self, Case, Room};
-
-/// The largest difference of two runs, levels of 255; with it the share of pixels that differ by
-/// more than one.
-fn difference(ours: &Outcome, theirs: &Outcome) -> (u8, f64) {
-    let pairs = ours
-        .pictures
-        .iter()
-        .flatten()
-        .zip(theirs.pictures.iter().flatten());
-    let worst = pairs.map(|(a, b)| (0..3).map(|c| a[c].abs_diff(b[c])).max().unwrap_or(0));
-    let levels: Vec<u8> = worst.collect();
-    let beyond = levels.iter().filter(|level| **level > 1).count();
-    let share = beyond as f64 / levels.len().max(1) as f64;
-    (levels.into_iter().max().unwrap_or(0), share)
-}
 
 /// The back ends that show the same bits, and the most instructions that a refresh took.
 fn equal_on(case: &Case, here: &Outcome, gpu: &Gpu) -> Result<(String, u64), String> {
@@ -56,14 +42,22 @@ fn equal_on(case: &Case, here: &Outcome, gpu: &Gpu) -> Result<(String, u64), Str
 fn main() -> Result<(), String> {
     let gpu = Gpu::new().map_err(|error| error.to_string())?;
     println!(
-        "| case | expected | panel, samples kept | worst against `f64` | beyond 1 level | most instructions a refresh | back ends, equal |"
+        "| case | expected | panel, samples kept | worst against `f64` | where no decision flipped | beyond 1 level | most instructions a refresh | back ends, equal |"
     );
-    println!("|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|");
     for case in cases::all() {
         let here = case.show().fixed();
         case.judge(&here)
             .map_err(|wrong| format!("{}: {wrong}", case.name))?;
-        let (worst, beyond) = difference(&here, &case.show().here::<f64>());
+        let found = compare(case.show().bytes, &case.show().setting());
+        let reached = found.reached.iter().rposition(|n| *n > 0).unwrap_or(0);
+        let alone = if found.others.iter().any(|n| *n > 0) {
+            found.worst().to_string()
+        } else {
+            "–".to_owned()
+        };
+        let worst = reached.max(found.worst());
+        let beyond = 1.0 - found.within(1) + found.flipped(1);
         let (names, most) = equal_on(&case, &here, &gpu)?;
         let most = if most > 0 {
             format!("{:.1} M", most as f64 / 1e6)
@@ -71,7 +65,7 @@ fn main() -> Result<(), String> {
             "–".to_owned()
         };
         println!(
-            "| {} | {} | {} × {}, {} | {worst} | {:.2} % | {most} | {names} |",
+            "| {} | {} | {} × {}, {} | {worst} | {alone} | {:.2} % | {most} | {names} |",
             case.name,
             case.expected,
             case.size.0,

@@ -1,5 +1,6 @@
 //! The back ends that must show the same bits, and the oracle.
 
+use crate::accuracy::Setting;
 use std::path::Path;
 use std::sync::OnceLock;
 use std::time::Duration;
@@ -47,6 +48,16 @@ impl Show<'_> {
     pub fn config(&self) -> Config {
         let found = NAMED.iter().find(|(name, _)| *name == self.method);
         found.expect("a known method").1
+    }
+
+    /// The display, for a comparison of arithmetics.
+    #[must_use]
+    pub fn setting(&self) -> Setting {
+        Setting {
+            config: self.config(),
+            size: self.size,
+            samples: self.samples,
+        }
     }
 
     /// On this processor, in the given arithmetic.

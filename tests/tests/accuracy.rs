@@ -64,13 +64,7 @@ fn on_thin_streams_every_flip_is_explained() {
 #[test]
 fn in_the_hard_cases_every_flip_is_explained() {
     for case in cases::all() {
-        let show = case.show();
-        let setting = Setting {
-            config: show.config(),
-            size: show.size,
-            samples: show.samples,
-        };
-        let found = compare(show.bytes, &setting);
+        let found = compare(case.show().bytes, &case.show().setting());
         assert_eq!(found.flips.unexplained, 0, "{}: {found:?}", case.name);
     }
 }

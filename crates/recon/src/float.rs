@@ -28,7 +28,7 @@ impl FloatTransform<f64> {
 }
 
 macro_rules! float_arith {
-    ($float:ty, $exp2:path, $log2:path, $exp:path, $floor:path) => {
+    ($float:ty, $exp2:path, $log2:path, $exp:path, $floor:path, $table:literal) => {
         impl Arith for $float {
             type Coord = $float;
             type Depth = $float;
@@ -183,22 +183,26 @@ macro_rules! float_arith {
 
             fn taps(_: &Panel, width: $float, v: $float) -> Taps<$float> {
                 let from_middle = v - $floor(v) - 0.5;
-                // Between two levels of width, or at one width.
+                // The oracle interpolates between two levels of width as the table does; the
+                // comparison takes the Gaussian itself.
                 let above = (width * 2048.0 - taps::LEAST as $float) / 256.0;
                 let levels = (taps::LEVELS - 1) as $float;
-                let (sigma, wider, part) = if above >= 0.0 && above < levels {
+                let between = $table && above >= 0.0 && above < levels;
+                let (sigma, wider, part) = if between {
                     let level = $floor(above);
                     let of =
                         |level: $float| $exp2((taps::LEAST as $float + level * 256.0) / 2048.0);
                     (of(level), of(level + 1.0), above - level)
                 } else {
-                    ($exp2(width), $exp2(width), 0.0)
+                    ($exp2(width), 0.0, 0.0)
                 };
                 let foot = $exp(-4.5);
                 let tap = |d: $float, sigma: $float| {
-                    let inside = d < 3.0 * sigma && d < REACH as $float;
-                    let tap = $exp(-0.5 * (d / sigma) * (d / sigma)) - foot;
-                    if inside { tap } else { 0.0 }
+                    if d < 3.0 * sigma && d < REACH as $float {
+                        $exp(-0.5 * (d / sigma) * (d / sigma)) - foot
+                    } else {
+                        0.0
+                    }
                 };
                 let mut taps = Taps {
                     weights: [0.0; SPAN],
@@ -370,8 +374,15 @@ macro_rules! float_arith {
     };
 }
 
-float_arith!(f64, libm::exp2, libm::log2, libm::exp, libm::floor);
-float_arith!(f32, libm::exp2f, libm::log2f, libm::expf, libm::floorf);
+float_arith!(f64, libm::exp2, libm::log2, libm::exp, libm::floor, true);
+float_arith!(
+    f32,
+    libm::exp2f,
+    libm::log2f,
+    libm::expf,
+    libm::floorf,
+    false
+);
 
 /// The four cells around a place and the way between their centres, 0..1.
 fn around(map: &TileMap<'_>, x: f64, y: f64) -> ([Cell; 4], f64, f64) {
