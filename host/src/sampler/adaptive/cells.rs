@@ -19,7 +19,10 @@ pub(super) const NONE: u32 = u32::MAX;
 const FORGOTTEN: f32 = 0.02;
 
 /// The memory of a pixel's worth of surface.
+///
+/// One cache line: most cells are met in no order that a cache could foresee.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
 pub(super) struct Cell {
     /// Place of the newest sample in its object's coordinates, metres.
     pub(super) local: Vec3,

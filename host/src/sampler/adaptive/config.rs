@@ -65,7 +65,7 @@ impl Default for Config {
     fn default() -> Self {
         Self {
             span: 1.0 / 60.0,
-            slack: 1.0,
+            slack: 4.0,
             batch: 0.002,
             uniform_share: 0.2,
             verify_share: 0.1,

@@ -1,65 +1,110 @@
 //! What a shot teaches: residuals of new samples, gradients of second looks, cuts.
 
+use glam::{Vec2, Vec3};
+
 use super::cells::{Fresh, NONE};
 use super::projection::{SKY_DEPTH, same_depth};
 use super::tiles::Tile;
 use super::{Adaptive, Eye, Intent, Shot, displayed, squared_difference};
 
+/// A shot and where it falls in the memory.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Find {
+    fresh: Fresh,
+    /// Place (pixels) and depth (metres) in the map's view; `None` if it cannot be projected.
+    seen: Option<(Vec2, f32)>,
+    /// Its pixel, or [`NONE`].
+    pixel: u32,
+    /// The cell in front there before the batch, or [`NONE`].
+    front: u32,
+    /// What was remembered there before the batch, if anything.
+    shown: Option<Vec3>,
+}
+
 impl Adaptive {
     /// Learns from what was seen.
+    ///
+    /// Memory is looked up for the whole batch before any of it changes: the look-ups hit cold
+    /// cache lines, and only those that do not wait for each other overlap.
     pub(super) fn learn(&mut self, eye: &dyn Eye) {
+        let mut finds = std::mem::take(&mut self.scratch.finds);
+        finds.clear();
         for i in 0..self.scratch.seen.len() {
-            let (seen, intent) = (self.scratch.seen[i], self.scratch.intents[i]);
-            let Shot { time, hit, .. } = seen.shot;
+            let Shot { time, hit, .. } = self.scratch.seen[i].shot;
             if !self.objects.contains(&hit.object) {
                 self.objects.push(hit.object);
             }
             self.projection.prepare(hit.object, eye);
-            let fresh = Fresh {
-                local: hit.local,
-                object: hit.object,
-                colour: displayed(hit.colour),
-                born: (time - self.projection.time()) as f32,
-            };
+            let seen = self.projection.project(hit.object, hit.local);
+            let pixel = seen.map_or(NONE, |(at, _)| self.cells.pixel(at));
+            let spot = self.cells.plane.get(pixel as usize);
+            finds.push(Find {
+                fresh: Fresh {
+                    local: hit.local,
+                    object: hit.object,
+                    colour: displayed(hit.colour),
+                    born: (time - self.projection.time()) as f32,
+                },
+                seen,
+                pixel,
+                front: spot.map_or(NONE, |spot| spot.front),
+                shown: None,
+            });
+        }
+        for find in &mut finds {
+            find.shown = self.shown(find);
+        }
+        let cuts = self.stats.cuts;
+        for (i, find) in finds.iter_mut().enumerate() {
+            if self.stats.cuts > cuts {
+                find.shown = None;
+            }
+            let (seen, intent) = (self.scratch.seen[i], self.scratch.intents[i]);
             self.rates[intent.tile as usize] += 1.0;
             match seen.expected {
                 Some(expected) if intent.cell != NONE => {
-                    self.verified(time, &fresh, hit.depth, expected, &intent);
+                    self.verified(&seen.shot, find, expected, &intent);
                 }
-                _ => self.sampled(&fresh),
+                _ => self.sampled(find),
             }
         }
-        self.stats.shots += self.scratch.seen.len() as u64;
+        self.stats.shots += finds.len() as u64;
+        self.scratch.finds = finds;
+    }
+
+    /// What the memory shows at a find's pixel: its front cell, drawn towards the mean of the
+    /// tile where it stands for little.
+    fn shown(&self, find: &Find) -> Option<Vec3> {
+        if find.pixel == NONE {
+            return None;
+        }
+        let mean = self.tiles[self.grid.of(find.pixel)].mean();
+        match self.cells.pool.get(find.front as usize) {
+            None => mean,
+            Some(cell) => {
+                let share = (cell.weight / 0.7).min(1.0);
+                Some(mean.map_or(cell.mean, |mean| mean.lerp(cell.mean, share)))
+            }
+        }
     }
 
     /// A new sample: its residual is its difference from what the memory showed there.
-    fn sampled(&mut self, fresh: &Fresh) {
-        let Some((at, depth)) = self.projection.project(fresh.object, fresh.local) else {
+    fn sampled(&mut self, find: &Find) {
+        let (fresh, Some((at, depth))) = (&find.fresh, find.seen) else {
             return;
         };
-        let pixel = self.cells.pixel(at);
-        if pixel == NONE {
+        if find.pixel == NONE {
             self.cells.deposit(fresh, at, depth);
             return;
         }
-        let tile = self.grid.of(pixel);
-        let mean = self.tiles[tile].mean();
-        let front = self.cells.plane[pixel as usize].front;
-        let shown = if front == NONE {
-            mean
-        } else {
-            let cell = &self.cells.pool[front as usize];
-            let share = (cell.weight / 0.7).min(1.0);
-            Some(mean.map_or(cell.mean, |mean| mean.lerp(cell.mean, share)))
-        };
-        let index = self.cells.deposit(fresh, at, depth);
-        let tile = &mut self.tiles[tile];
-        tile.samples += 1.0;
-        tile.colour += fresh.colour;
-        if front == NONE {
+        let tile = &mut self.tiles[self.grid.of(find.pixel)];
+        if self.cells.plane[find.pixel as usize].front == NONE {
             tile.covered += 1.0;
         }
-        if let Some(shown) = shown {
+        let index = self.cells.deposit(fresh, at, depth);
+        tile.samples += 1.0;
+        tile.colour += fresh.colour;
+        if let Some(shown) = find.shown {
             let r2 = squared_difference(shown, fresh.colour);
             let cell = &mut self.cells.pool[index as usize];
             for sums in [&mut cell.residuals, &mut tile.residuals] {
@@ -71,7 +116,8 @@ impl Adaptive {
 
     /// A second look at a stored place: found again, its change of colour over its age is the
     /// temporal gradient; else the place is hidden or gone.
-    fn verified(&mut self, time: f64, fresh: &Fresh, depth: f32, expected: f32, intent: &Intent) {
+    fn verified(&mut self, shot: &Shot, find: &Find, expected: f32, intent: &Intent) {
+        let (fresh, time, depth) = (&find.fresh, shot.time, shot.hit.depth);
         self.stats.verifications += 1;
         let cell = self.cells.pool[intent.cell as usize];
         let found = if expected == f32::INFINITY {
@@ -91,12 +137,12 @@ impl Adaptive {
             return;
         }
         if cell.weight <= 0.0 {
-            self.sampled(fresh);
+            self.sampled(find);
             return;
         }
         if !found {
             self.cells.kill(intent.cell);
-            self.sampled(fresh);
+            self.sampled(find);
             return;
         }
         let r2 = cell.residual(fresh.colour);

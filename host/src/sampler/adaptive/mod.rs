@@ -35,6 +35,7 @@ use super::{Aim, Effort, Eye, Plan, Sampler, Seen, Shot, Span, trace};
 use alarm::Alarm;
 use cells::{Cells, Fading};
 pub use config::Config;
+use learn::Find;
 use lifetime::Lifetimes;
 use projection::Projection;
 use tiles::{Grid, Tile};
@@ -77,6 +78,7 @@ struct Scratch {
     plans: Vec<Plan>,
     intents: Vec<Intent>,
     seen: Vec<Seen>,
+    finds: Vec<Find>,
 }
 
 /// What a shot is for.

@@ -10,12 +10,15 @@ use super::{Adaptive, Eye};
 /// After how many epochs what is remembered is warped even where nothing moves, so that it fades:
 /// with the fourth (the half keeps rounding out of it).
 const RESTED: f64 = 3.5;
+/// The memory is warped when more than one in so many cells would move too far.
+const MOVED: usize = 8;
 /// Cells that are asked whether they would move.
 const PROBES: usize = 256;
 
 impl Adaptive {
-    /// Whether the memory has to move to the view of an instant: whether more than one in twenty
-    /// of some cells in sight would move by more than [`Config::slack`] pixels, or nothing has faded for long.
+    /// Whether the memory has to move to the view of an instant: whether too many of
+    /// some cells in sight would move by more than [`Config::slack`] pixels, or nothing has faded
+    /// for long.
     pub(super) fn is_due(&self, time: f64, eye: &dyn Eye) -> bool {
         let rested = time - self.projection.time();
         // Not a number before the first time.
@@ -47,7 +50,7 @@ impl Adaptive {
             all += 1;
             moved += usize::from(!steady);
         }
-        20 * moved > all
+        MOVED * moved > all
     }
 
     /// Moves the memory to the view of an instant and sums it up.
