@@ -1,4 +1,5 @@
-//! What the sampler remembers: a pool of cells, at most about one for each pixel and surface.
+//! What the sampler remembers: a pool of cells, at most about one for each pixel of the map and
+//! surface. Pixels here are those of the map.
 //!
 //! A cell stands for the samples that fell on one pixel's worth of a surface. It keeps the place
 //! of the newest of them *in its object's coordinates*, so that it moves as the surface moves.
@@ -9,6 +10,7 @@
 
 use glam::{UVec2, Vec2, Vec3};
 
+use super::SIDE;
 use super::config::Config;
 use super::projection::{Projection, same_depth};
 use crate::sampler::srgb::squared_difference;
@@ -140,7 +142,7 @@ impl Cells {
             hidden: Vec::new(),
             second_layer: config.second_layer,
             hidden_test: config.hidden_test,
-            guard: config.guard,
+            guard: config.guard / SIDE as f32,
         }
     }
 

@@ -8,8 +8,8 @@ use glam::UVec2;
 
 use super::config::Config;
 
-/// Side of a lifetime tile, pixels.
-pub(super) const TILE: u32 = 8;
+/// Side of a lifetime tile, pixels of the map: 8 of the image.
+pub(super) const TILE: u32 = 8 / super::SIDE;
 
 /// Gradients on a grid of 8×8-pixel tiles, and the lifetimes made of them.
 #[derive(Clone, Debug)]

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 
 use super::cells::NONE;
-use super::{Adaptive, Aim, Intent, Plan, Span, allocate, golden_stride, within};
+use super::{Adaptive, Aim, Intent, Plan, SIDE, Span, allocate, golden_stride, within};
 
 impl Adaptive {
     /// Shares `count` shots out among the tiles: fills `scratch.visits`.
@@ -52,6 +52,7 @@ impl Adaptive {
             at = (at + stride) % count;
             let again = self.random.unit() < self.config.verify_share;
             let (place, pixel) = self.aim(tile, again);
+            let place = within(place * SIDE as f32, self.image);
             let time = span.instant(first + i);
             let uniform = evenly * self.grid.areas[tile as usize];
             let mut intent = Intent {
@@ -84,7 +85,7 @@ impl Adaptive {
         }
     }
 
-    /// A place in a tile and its pixel: for a second look the best covered of three random
+    /// A place in a tile and its pixel, of the map: for a second look the best covered of three random
     /// pixels; else the next point of the tile's sequence or, where pixels of the tile are empty,
     /// the least covered of its next three points.
     fn aim(&mut self, tile: u32, again: bool) -> (Vec2, u32) {

@@ -13,13 +13,21 @@ pub(super) const SKY_DEPTH: f32 = 1e30;
 #[derive(Clone, Debug)]
 pub(in crate::sampler) struct Projection {
     time: f64,
+    scale: f32,
     objects: Vec<Option<(Mat3A, Vec3A)>>,
 }
 
 impl Projection {
+    /// For an instant, seconds, to pixels of the image.
     pub(in crate::sampler) fn new(time: f64) -> Self {
+        Self::scaled(time, 1.0)
+    }
+
+    /// For an instant, seconds, to pixels of which `scale` are as wide as one of the image.
+    pub(in crate::sampler) fn scaled(time: f64, scale: f32) -> Self {
         Self {
             time,
+            scale,
             objects: vec![None; 256],
         }
     }
@@ -37,7 +45,8 @@ impl Projection {
             let pose = eye.pose(object, self.time);
             let x = camera.right * camera.focal + camera.forward * camera.centre.x;
             let y = camera.down * camera.focal + camera.forward * camera.centre.y;
-            let view = Mat3A::from_cols(x.into(), y.into(), camera.forward.into()).transpose();
+            let [x, y] = [x, y].map(|axis| (axis * self.scale).into());
+            let view = Mat3A::from_cols(x, y, camera.forward.into()).transpose();
             let origin = view * (pose.translation - Vec3A::from(camera.eye));
             *entry = Some((view * pose.matrix3, origin));
         }

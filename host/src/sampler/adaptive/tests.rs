@@ -103,7 +103,8 @@ fn verification_measures_a_known_gradient() {
     work(&mut sampler, &stage, 0.0, 1.0);
     let eye = stage.camera(1.0).eye;
     let (grid, tau) = sampler.lifetimes();
-    let centre = |i: u32| (UVec2::new(i % grid.x, i / grid.x) * lifetime::TILE).as_vec2() + 4.0;
+    let centre =
+        |i: u32| (UVec2::new(i % grid.x, i / grid.x) * lifetime::TILE * SIDE).as_vec2() + 4.0;
     let shift = Vec2::X * (eye.x / WALL * LARGE.y as f32);
     let panel: Vec<f32> = (0..grid.element_product())
         .filter(|&i| on_panel(centre(i) + shift, LARGE, 16.0))
@@ -296,7 +297,7 @@ fn planes_agree_with_the_pool() {
     }
 }
 
-/// Pixels of the image.
+/// Pixels of the map.
 fn cells_bound() -> usize {
-    SIZE.element_product() as usize
+    (SIZE / SIDE).element_product() as usize
 }

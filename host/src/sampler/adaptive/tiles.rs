@@ -4,8 +4,8 @@ use glam::{UVec2, Vec3};
 
 use super::config::Config;
 
-/// Side of a tile, pixels.
-pub(super) const TILE: u32 = 4;
+/// Side of a tile, pixels of the map: 4 of the image.
+pub(super) const TILE: u32 = 4 / super::SIDE;
 
 /// Sums over the front cells of a tile.
 #[derive(Clone, Copy, Debug, Default)]
@@ -36,7 +36,7 @@ impl Tile {
     }
 }
 
-/// The grid of tiles over an image.
+/// The grid of tiles over a map; all its pixels are those of the map.
 #[derive(Clone, Debug)]
 pub(super) struct Grid {
     pub(super) size: UVec2,

@@ -5,7 +5,7 @@ use glam::UVec2;
 use super::cells::{Cell, NONE};
 use super::projection::Projection;
 use super::tiles::Tile;
-use super::{Adaptive, Eye};
+use super::{Adaptive, Eye, SIDE};
 
 /// After how many epochs what is remembered is warped even where nothing moves, so that it fades:
 /// with the fourth (the half keeps rounding out of it).
@@ -26,7 +26,7 @@ impl Adaptive {
         if !known || self.config.slack <= 0.0 {
             return true;
         }
-        let mut next = Projection::new(time);
+        let mut next = Projection::scaled(time, 1.0 / SIDE as f32);
         for &object in &self.objects {
             next.prepare(object, eye);
         }
@@ -34,6 +34,7 @@ impl Adaptive {
             let seen = projection.project(cell.object, cell.local);
             seen.map(|(at, _)| at)
         };
+        let slack = self.config.slack / SIDE as f32;
         let stride = (self.cells.pool.len() / PROBES).max(1);
         let (mut all, mut moved) = (0, 0);
         for cell in self.cells.pool.iter().step_by(stride) {
@@ -41,9 +42,7 @@ impl Adaptive {
                 continue;
             }
             let steady = match (place(&self.projection, cell), place(&next, cell)) {
-                (Some(from), Some(to)) => {
-                    from.distance_squared(to) <= self.config.slack * self.config.slack
-                }
+                (Some(from), Some(to)) => from.distance_squared(to) <= slack * slack,
                 (None, None) => true,
                 _ => false,
             };
@@ -57,7 +56,7 @@ impl Adaptive {
     pub(super) fn warp(&mut self, time: f64, eye: &dyn Eye) {
         self.stats.warps += 1;
         let step = (time - self.projection.time()) as f32;
-        self.projection = Projection::new(time);
+        self.projection = Projection::scaled(time, 1.0 / SIDE as f32);
         for &object in &self.objects {
             self.projection.prepare(object, eye);
         }
