@@ -37,7 +37,8 @@ fn on_the_recorded_streams_integers_show_what_the_oracle_shows() {
         report(scene, &found);
         assert!(found.decisions > 50_000, "{scene}");
         assert!(found.within(1) >= 0.999 && found.worst() <= 3, "{scene}");
-        assert!(found.reached() <= 0.0005, "{scene}");
+        // Counted apart: what a flipped sample reaches and changes by more than that.
+        assert!(found.flipped(1) <= 0.0005, "{scene}");
         assert_eq!(found.flips.unexplained, 0, "{scene}");
         assert!(found.errors.place < 0.51 && found.errors.depth <= 1.25);
     }
@@ -52,7 +53,7 @@ fn on_thin_streams_every_flip_is_explained() {
         let found = compare(&record(scene, RATE, 40), &SETTING);
         report(scene, &found);
         flips += found.flips.depths;
-        assert!(found.within(1) >= 0.999, "{scene}");
+        assert!(found.within(1) >= 0.998, "{scene}");
         assert!(found.flipped(1) <= 0.001, "{scene}");
         assert_eq!(found.flips.unexplained, 0, "{scene}");
         assert!(found.errors.place < 0.51 && found.errors.depth <= 1.25);
