@@ -54,7 +54,7 @@ fn on_thin_streams_every_flip_is_explained() {
         report(scene, &found);
         flips += found.flips.depths;
         assert!(found.within(1) >= 0.998, "{scene}");
-        assert!(found.flipped(1) <= 0.001, "{scene}");
+        assert!(found.flipped(1) <= 0.005, "{scene}");
         assert_eq!(found.flips.unexplained, 0, "{scene}");
         assert!(found.errors.place < 0.51 && found.errors.depth <= 1.25);
     }
