@@ -1,11 +1,12 @@
-//! Effects against closed forms, their convergence, and the ledger on a matrix of scenes.
+//! Effects against closed forms and their convergence; [`ledger`]: what is not called for.
 
 use glam::{Vec2, Vec3};
 
 use crate::scene::builtin::{EFFECTS, builtin};
-use crate::scene::calls;
-use crate::scene::model::{Light, LightKind, Medium, Node, Scene};
+use crate::scene::model::{Medium, Scene};
 use crate::trace::{Rays, World};
+
+mod ledger;
 
 const SIZE: [u32; 2] = [32, 32];
 
@@ -43,57 +44,6 @@ const MIST: Medium = Medium {
     sigma_a: 0.1,
     g: 0.2,
 };
-
-/// An effect, and what makes a scene call for it.
-type Cause = (&'static str, fn(&mut Scene));
-
-/// All effects that cost rays.
-const CAUSES: [Cause; 6] = [
-    ("hard_shadows", |s| {
-        s.nodes.push(Node {
-            translation: Vec3::new(0.3, 1.7, 0.2),
-            light: Some(Light {
-                kind: LightKind::Point,
-                intensity: Vec3::ONE,
-                range: f32::INFINITY,
-            }),
-            ..Node::default()
-        });
-    }),
-    ("soft_shadows", |s| {
-        s.materials[3].emissive = Vec3::splat(10.0)
-    }),
-    ("mirror", |s| {
-        (s.materials[1].metallic, s.materials[1].roughness) = (1.0, 0.0);
-    }),
-    ("refraction", |s| s.materials[2].transmission = 1.0),
-    ("medium", |s| s.medium = Some(MIST)),
-    ("indirect_diffuse", |s| s.indirect = true),
-];
-
-#[test]
-fn the_ledger_is_zero_for_what_is_not_called_for() {
-    for mask in 0u32..64 {
-        let mut scene = plain();
-        for (i, (_, cause)) in CAUSES.iter().enumerate() {
-            if mask & 1 << i != 0 {
-                cause(&mut scene);
-            }
-        }
-        let called = calls::effects(&scene);
-        let lit = mask & 3 != 0;
-        let (rays, _) = image(scene);
-        assert_eq!(rays.primary, SIZE[0] * SIZE[1]);
-        for (i, (name, count)) in rays.by_effect().into_iter().enumerate() {
-            assert_eq!(name, CAUSES[i].0);
-            let call = called.iter().find(|e| e.name == name).expect("an effect");
-            assert_eq!(call.called_for, mask & 1 << i != 0, "{name} in {mask:b}");
-            // Without a lamp, neither a medium nor a wall throws anything on.
-            let expected = call.called_for && (lit || i < 4);
-            assert_eq!(count > 0, expected, "{name} in {mask:b}: {count} rays");
-        }
-    }
-}
 
 #[test]
 fn a_medium_of_no_density_is_no_medium() {
