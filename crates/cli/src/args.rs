@@ -58,6 +58,9 @@ pub struct EffectsArgs {
     /// The instant of the animation, seconds.
     #[arg(long, default_value_t = 1.0)]
     pub at: f64,
+    /// Also write each effect off and on with where its samples went, and how effects converge.
+    #[arg(long)]
+    pub pictures: bool,
     /// Folder for `report.json` and pictures.
     #[arg(long)]
     pub out: PathBuf,

@@ -13,6 +13,9 @@ use crate::trace::moment::Moment;
 
 /// Steps of the march through a medium.
 const STEPS: u32 = 8;
+/// The share of its variance that indirect light keeps in a whole pattern, whose subsets are all
+/// lights there are: light from each is hidden from some pixels.
+const KEPT: f32 = 0.1;
 /// Distance, metres, below which a lamp's halo needs care, less the extinction (Listing 4).
 const HALO: f32 = 1.0;
 
@@ -20,11 +23,26 @@ const HALO: f32 = 1.0;
 pub(crate) trait Component: Sync {
     /// Light that sample `set` of pattern pixel `pixel` finds, and what it tells about the need
     /// of more (0..=1).
-    fn sample(&self, at: &Deferred, pixel: u32, set: u32, rays: &mut Rays) -> (Vec3, f32);
+    fn sample(&self, at: &Deferred, pixel: u32, set: u32, rays: &mut Rays) -> (Vec3, Told);
 
-    /// The share of the most refinement that a pattern needs, 0..=1, from what its pixels told.
-    fn guidance(&self, told: &[f32]) -> f32;
+    /// The share of the most refinement that a pattern needs, 0..=1, from what its pixels told:
+    /// the paper's guidance.
+    fn listing(&self, told: &[Told]) -> f32;
+
+    /// What of the light goes to the eye.
+    fn weight(&self, at: &Deferred) -> Vec3 {
+        at.albedo
+    }
+
+    /// The share of a sample's variance that an average over a pattern keeps beyond 1/n, where
+    /// only the share `alike` of neighbours are averaged.
+    fn left(&self, _alike: f32) -> f32 {
+        1.0
+    }
 }
+
+/// What a sample tells the paper's guidance, 0..=1.
+pub(crate) type Told = f32;
 
 fn mean(told: &[f32]) -> f32 {
     told.iter().sum::<f32>() / told.len().max(1) as f32
@@ -37,7 +55,7 @@ pub(crate) struct SoftShadows<'a> {
 }
 
 impl Component for SoftShadows<'_> {
-    fn sample(&self, at: &Deferred, pixel: u32, set: u32, rays: &mut Rays) -> (Vec3, f32) {
+    fn sample(&self, at: &Deferred, pixel: u32, set: u32, rays: &mut Rays) -> (Vec3, Told) {
         let Some(struck) = &at.struck else {
             return (Vec3::ZERO, 0.0);
         };
@@ -54,7 +72,7 @@ impl Component for SoftShadows<'_> {
     }
 
     /// Listing 3: the share that is hidden, unless all or nothing is.
-    fn guidance(&self, told: &[f32]) -> f32 {
+    fn listing(&self, told: &[Told]) -> f32 {
         let refine = mean(told);
         if refine < 1.0 { refine } else { 0.0 }
     }
@@ -69,7 +87,7 @@ pub(crate) struct Indirect<'a> {
 }
 
 impl Component for Indirect<'_> {
-    fn sample(&self, at: &Deferred, pixel: u32, set: u32, rays: &mut Rays) -> (Vec3, f32) {
+    fn sample(&self, at: &Deferred, pixel: u32, set: u32, rays: &mut Rays) -> (Vec3, Told) {
         let Some(struck) = &at.struck else {
             return (Vec3::ZERO, 0.0);
         };
@@ -94,8 +112,14 @@ impl Component for Indirect<'_> {
         (light * scale, missed / tried.max(1.0))
     }
 
+    /// The subsets of a whole pattern are all lights there are: what differs between them is
+    /// noise only as far as the filter leaves members out, or as lights are hidden from some.
+    fn left(&self, alike: f32) -> f32 {
+        (1.0 - alike).max(KEPT)
+    }
+
     /// Listing 2: the mean share of hidden lights.
-    fn guidance(&self, told: &[f32]) -> f32 {
+    fn listing(&self, told: &[Told]) -> f32 {
         mean(told)
     }
 }
@@ -109,7 +133,7 @@ pub(crate) struct Haze<'a> {
 }
 
 impl Component for Haze<'_> {
-    fn sample(&self, at: &Deferred, pixel: u32, set: u32, rays: &mut Rays) -> (Vec3, f32) {
+    fn sample(&self, at: &Deferred, pixel: u32, set: u32, rays: &mut Rays) -> (Vec3, Told) {
         let Some(medium) = self.moment.medium() else {
             return (Vec3::ZERO, 0.0);
         };
@@ -124,7 +148,10 @@ impl Component for Haze<'_> {
         for i in 0..STEPS {
             let s = (i as f32 + offset) * step;
             let place = at.eye + at.direction * (inside.from + s);
-            let point = self.sets.point(pixel, set);
+            // Another point of the lamp at each step.
+            let point = self
+                .sets
+                .point(pixel + i * self.pattern[0] / STEPS, set + i);
             let (thrown, hidden, nearest) =
                 self.moment
                     .thrown(place, at.direction, point, &mut rays.medium);
@@ -145,8 +172,12 @@ impl Component for Haze<'_> {
         (light, if parts > 1.0 { value / parts } else { value })
     }
 
+    fn weight(&self, _at: &Deferred) -> Vec3 {
+        Vec3::ONE
+    }
+
     /// Listing 4: the share of pixels that differ from the one before.
-    fn guidance(&self, told: &[f32]) -> f32 {
+    fn listing(&self, told: &[Told]) -> f32 {
         let differ = told.windows(2).filter(|w| w[0] != w[1]).count();
         differ as f32 / told.len().max(1) as f32
     }

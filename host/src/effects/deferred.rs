@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
+use super::care::Care;
 use crate::trace::Rays;
 use crate::trace::cone::Cone;
 use crate::trace::moment::{Moment, Struck};
@@ -32,7 +33,7 @@ impl Deferred {
         let direction = camera.direction(at);
         let length = direction.length();
         let direction = direction / length;
-        let mut shader = Shader::new(moment, 0);
+        let mut shader = Shader::new(moment, 0, Care::default());
         let Some(struck) = moment.closest(camera.eye, direction) else {
             return Self {
                 eye: camera.eye,

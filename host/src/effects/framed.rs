@@ -6,23 +6,28 @@ use rayon::prelude::*;
 
 use super::components::{Component, Haze, Indirect, SoftShadows};
 use super::deferred::Deferred;
+use super::interleave::{Canvas, interleave};
 use super::sets::Sets;
 use super::vpl;
 use crate::trace::{Rays, World};
 
 /// Side of the interleaving pattern, pixels (§4.2).
-const SIDE: u32 = 3;
+pub(crate) const SIDE: u32 = 3;
 /// Pixels of a pattern.
 const PIXELS: u32 = SIDE * SIDE;
 /// Most samples of a component a pixel (§4.2).
 pub const MOST: u32 = 9;
-/// Virtual point lights of a frame (§4.2).
-const LIGHTS: usize = 256;
+/// Paths of virtual point lights in a frame: about the 256 lights of §4.2.
+const PATHS: usize = 96;
+/// Within this distance, metres, they grow no stronger.
+const NEAR: f32 = 0.2;
 
 /// How many samples pixels get, of 1..=[`MOST`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Refinement {
-    /// What each component's guidance asks for ("A" in the paper).
+    /// What the paper's guidance asks for (Listings 2 to 4; "A" in the paper).
+    Listings,
+    /// As many as bring the noise that the filter leaves below a displayed level.
     Adaptive,
     /// All there are ("A-MAX").
     All,
@@ -84,21 +89,20 @@ pub fn render(world: &mut World, t: f64, refinement: Refinement) -> Frame {
             moment: &moment,
             sets: &sets,
         };
-        let (found, layer) = interleave(
-            &soft,
-            "soft_shadows",
-            &seen,
+        let known = shaded(&light, &seen);
+        let canvas = Canvas {
+            seen: &seen,
             width,
-            refinement,
-            0,
-            &mut rays,
-        );
+            known: &known,
+        };
+        let name = "soft_shadows";
+        let (found, layer) = interleave(&soft, name, &canvas, refinement, 0, &mut rays);
         add(&mut light, &filtered(&found, &seen, width));
         layers.push(layer);
     }
-    if world.scene().indirect {
+    if moment.indirect() {
         // At a quarter of the pixels (§4.1).
-        let lights = vpl::scatter(&moment, LIGHTS);
+        let lights = vpl::scatter(&moment, PATHS, NEAR).lights;
         let indirect = Indirect {
             moment: &moment,
             lights: &lights,
@@ -106,32 +110,37 @@ pub fn render(world: &mut World, t: f64, refinement: Refinement) -> Frame {
         };
         let half = [width.div_ceil(2), height.div_ceil(2)];
         let few = looks(&moment, half, 2, &mut Rays::default());
-        let (found, layer) = interleave(
-            &indirect,
-            "indirect_diffuse",
-            &few,
-            half[0],
-            refinement,
-            1,
-            &mut rays,
-        );
+        let known = shaded(&light, &seen);
+        let known: Vec<Vec3> = (0..half[0] * half[1])
+            .map(|i| known[(i / half[0] * 2 * width + i % half[0] * 2) as usize])
+            .collect();
+        let canvas = Canvas {
+            seen: &few,
+            width: half[0],
+            known: &known,
+        };
+        let name = "indirect_diffuse";
+        let (found, layer) = interleave(&indirect, name, &canvas, refinement, 1, &mut rays);
         let found = filtered(&found, &few, half[0]);
         add(&mut light, &upsampled(&found, &few, half[0], &seen, width));
         layers.push(layer);
     }
-    for (sum, at) in light.iter_mut().zip(&seen) {
-        *sum = *sum * at.albedo + at.own;
-    }
+    light = shaded(&light, &seen);
     if let Some(medium) = moment.medium() {
         let haze = Haze {
             moment: &moment,
             sets: &sets,
             pattern: [PIXELS, MOST],
         };
-        let (found, layer) = interleave(&haze, "medium", &seen, width, refinement, 2, &mut rays);
         for (sum, at) in light.iter_mut().zip(&seen) {
             *sum *= medium.between(at.eye, at.direction, at.distance);
         }
+        let canvas = Canvas {
+            seen: &seen,
+            width,
+            known: &light,
+        };
+        let (found, layer) = interleave(&haze, "medium", &canvas, refinement, 2, &mut rays);
         add(&mut light, &filtered(&found, &seen, width));
         layers.push(layer);
     }
@@ -140,6 +149,26 @@ pub fn render(world: &mut World, t: f64, refinement: Refinement) -> Frame {
         rays,
         layers,
     }
+}
+
+/// Indirect light alone, of all lights of `paths` paths that grow no stronger within `near` metres,
+/// without interleaving or filter: what it converges to as paths are added and `near` shrinks.
+/// Linear light, rows from the top; the world's prepared epoch is `t` afterwards.
+pub fn indirect_alone(world: &mut World, t: f64, paths: usize, near: f32) -> Vec<Vec3> {
+    world.prepare(t, t);
+    let moment = world.moment(t);
+    let lights = vpl::scatter(&moment, paths, near).lights;
+    let indirect = Indirect {
+        moment: &moment,
+        lights: &lights,
+        subsets: 1,
+    };
+    let seen = looks(&moment, world.size(), 1, &mut Rays::default());
+    let light = |at: &Deferred| {
+        let (light, _) = indirect.sample(at, 0, 0, &mut Rays::default());
+        light * at.albedo
+    };
+    seen.par_iter().map(light).collect()
 }
 
 /// Looks through the middles of blocks of `side` × `side` pixels.
@@ -162,68 +191,14 @@ fn looks(
     seen
 }
 
-fn add(sum: &mut [Vec3], more: &[Vec3]) {
-    sum.iter_mut().zip(more).for_each(|(a, b)| *a += *b);
+/// Light as it leaves towards the eye, from light as it arrives.
+fn shaded(light: &[Vec3], seen: &[Deferred]) -> Vec<Vec3> {
+    let shaded = |(light, at): (&Vec3, &Deferred)| *light * at.albedo + at.own;
+    light.iter().zip(seen).map(shaded).collect()
 }
 
-/// Listing 1, pattern by pattern.
-fn interleave(
-    component: &impl Component,
-    name: &'static str,
-    seen: &[Deferred],
-    width: u32,
-    refinement: Refinement,
-    which: usize,
-    rays: &mut Rays,
-) -> (Vec<Vec3>, Layer) {
-    let mut light = vec![Vec3::ZERO; seen.len()];
-    let mut samples = vec![0u8; seen.len()];
-    let rows = (width * SIDE) as usize;
-    let counts: Vec<Rays> = light
-        .par_chunks_mut(rows)
-        .zip(samples.par_chunks_mut(rows))
-        .zip(seen.par_chunks(rows))
-        .map(|((light, samples), seen)| {
-            let mut rays = Rays::default();
-            let height = seen.len() as u32 / width;
-            for left in (0..width).step_by(SIDE as usize) {
-                let across = SIDE.min(width - left);
-                let pattern: Vec<(usize, u32)> = (0..height * across)
-                    .map(|i| (i % across, i / across))
-                    .map(|(x, y)| ((y * width + left + x) as usize, y * SIDE + x))
-                    .collect();
-                let mut told = Vec::with_capacity(pattern.len());
-                for &(i, pixel) in &pattern {
-                    let (found, tells) = component.sample(&seen[i], pixel, 0, &mut rays);
-                    light[i] = found;
-                    told.push(tells);
-                }
-                let sets = match refinement {
-                    Refinement::All => MOST,
-                    Refinement::Plain(n) => n[which].clamp(1, MOST),
-                    Refinement::Adaptive => {
-                        let refine = component.guidance(&told);
-                        (1 + (refine * MOST as f32).ceil() as u32).min(MOST)
-                    }
-                };
-                for &(i, pixel) in &pattern {
-                    for set in 1..sets {
-                        light[i] += component.sample(&seen[i], pixel, set, &mut rays).0;
-                    }
-                    light[i] /= sets as f32;
-                    samples[i] = sets as u8;
-                }
-            }
-            rays
-        })
-        .collect();
-    counts.into_iter().for_each(|r| *rays += r);
-    let layer = Layer {
-        name,
-        samples,
-        width,
-    };
-    (light, layer)
+fn add(sum: &mut [Vec3], more: &[Vec3]) {
+    sum.iter_mut().zip(more).for_each(|(a, b)| *a += *b);
 }
 
 /// The discontinuity buffer: a box of the pattern's size over pixels that are alike. Any such

@@ -4,18 +4,19 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 
+use super::BUILT_IN;
 use crate::scene::model::Medium;
 use crate::trace::moment::{Moment, Struck};
 
 impl Moment<'_> {
     /// The medium, if the scene has one.
     pub(crate) fn medium(&self) -> Option<&Medium> {
-        self.world.scene.medium.as_ref()
+        self.world.scene.medium.as_ref().filter(|_| BUILT_IN)
     }
 
     /// Whether the scene calls for indirect diffuse light.
     pub(crate) fn indirect(&self) -> bool {
-        self.world.scene.indirect
+        BUILT_IN && self.world.scene.indirect
     }
 
     /// Irradiance/π that stands for indirect light where the scene does not call for it.

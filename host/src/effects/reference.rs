@@ -6,6 +6,7 @@ use std::f32::consts::FRAC_1_PI;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
+use super::care::Care;
 use super::deferred::Deferred;
 use super::vpl::cosine;
 use crate::trace::moment::{Moment, Struck, unit_square};
@@ -30,7 +31,8 @@ pub fn reference(world: &mut World, t: f64, samples: u32) -> Vec<Vec3> {
 
 /// The mean of `samples` estimates of what a pixel sees.
 pub(crate) fn estimate(moment: &Moment<'_>, seen: &Deferred, samples: u32, seed: u32) -> Vec3 {
-    let mut dice = Dice(seed.wrapping_mul(0x9e37_79b9));
+    // Hashed: seeds that differ by a step of the dice would throw the same numbers, one later.
+    let mut dice = Dice((unit_square(seed)[0] * 16_777_216.0) as u32 ^ seed << 24);
     let mut sum = Vec3::ZERO;
     for _ in 0..samples {
         let mut light = seen.own;
@@ -69,7 +71,8 @@ fn gathered(moment: &Moment<'_>, struck: &Struck, dice: &mut Dice) -> Vec3 {
         let Some(next) = moment.closest(origin, direction) else {
             return sum;
         };
-        weight *= moment.between(origin, direction, next.t) * Shader::new(moment, 0).albedo(&next);
+        weight *= moment.between(origin, direction, next.t)
+            * Shader::new(moment, 0, Care::default()).albedo(&next);
         let survives = weight.max_element().min(0.95);
         if dice.pair()[0] >= survives {
             return sum;

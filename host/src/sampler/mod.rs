@@ -24,6 +24,7 @@ use rayon::prelude::*;
 use unframed_wire::tiles::TileNode;
 use unframed_wire::{SKY, Status, TileFields};
 
+use crate::effects::care::{Care, Told};
 use crate::trace::camera::Camera;
 use crate::trace::{Hit, Rays, World};
 
@@ -42,6 +43,15 @@ pub trait Eye: Sync {
     fn look(&self, time: f64, pixel: Vec2, seed: u32) -> Hit;
     /// What is seen from the eye in a direction whose component along the camera's axis is 1.
     fn look_along(&self, time: f64, direction: Vec3, seed: u32) -> Hit;
+
+    /// [`Self::look`] with care for effects, and what these told.
+    fn look_with(&self, time: f64, pixel: Vec2, seed: u32, _care: Care) -> (Hit, Told) {
+        (self.look(time, pixel, seed), Told::default())
+    }
+    /// [`Self::look_along`] with care for effects, and what these told.
+    fn look_along_with(&self, time: f64, direction: Vec3, seed: u32, _care: Care) -> (Hit, Told) {
+        (self.look_along(time, direction, seed), Told::default())
+    }
 
     /// Whether a place of an object (its own coordinates, metres; a direction for the sky) is seen
     /// from the eye: before it, with nothing in between. One ray, which need not be shaded.
@@ -80,6 +90,14 @@ impl Eye for World {
 
     fn look_along(&self, time: f64, direction: Vec3, seed: u32) -> Hit {
         self.moment(time).look_along(direction, seed)
+    }
+
+    fn look_with(&self, time: f64, pixel: Vec2, seed: u32, care: Care) -> (Hit, Told) {
+        self.moment(time).look_with(pixel, seed, care)
+    }
+
+    fn look_along_with(&self, time: f64, direction: Vec3, seed: u32, care: Care) -> (Hit, Told) {
+        self.moment(time).look_along_with(direction, seed, care)
     }
 
     fn sees(&self, time: f64, object: u8, local: Vec3) -> bool {
@@ -196,6 +214,7 @@ struct Plan {
     time: f64,
     aim: Aim,
     seed: u32,
+    care: Care,
 }
 
 /// A shot as its planner sees it.
@@ -204,12 +223,14 @@ struct Seen {
     shot: Shot,
     /// For a place looked at again: the depth at which it must be, metres (infinite: the sky).
     expected: Option<f32>,
+    /// What its effects told.
+    told: Told,
 }
 
 /// Traces planned shots of an image of `size` pixels in parallel; `seen[i]` is that of `plans[i]`.
 fn trace(plans: &[Plan], size: UVec2, eye: &dyn Eye, seen: &mut Vec<Seen>) {
     let through = |plan: &Plan, pixel: Vec2| {
-        let hit = eye.look(plan.time, pixel, plan.seed);
+        let (hit, told) = eye.look_with(plan.time, pixel, plan.seed, plan.care);
         Seen {
             shot: Shot {
                 time: plan.time,
@@ -217,6 +238,7 @@ fn trace(plans: &[Plan], size: UVec2, eye: &dyn Eye, seen: &mut Vec<Seen>) {
                 hit,
             },
             expected: None,
+            told,
         }
     };
     let look = |plan: &Plan| match plan.aim {
@@ -233,7 +255,8 @@ fn trace(plans: &[Plan], size: UVec2, eye: &dyn Eye, seen: &mut Vec<Seen>) {
             let Some((pixel, depth)) = camera.project_direction(offset).filter(inside) else {
                 return through(plan, instead);
             };
-            let hit = eye.look_along(plan.time, offset / depth, plan.seed);
+            let towards = offset / depth;
+            let (hit, told) = eye.look_along_with(plan.time, towards, plan.seed, plan.care);
             let expected = if object == SKY { f32::INFINITY } else { depth };
             Seen {
                 shot: Shot {
@@ -242,6 +265,7 @@ fn trace(plans: &[Plan], size: UVec2, eye: &dyn Eye, seen: &mut Vec<Seen>) {
                     hit,
                 },
                 expected: Some(expected),
+                told,
             }
         }
     };

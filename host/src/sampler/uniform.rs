@@ -3,7 +3,7 @@
 use glam::{UVec2, Vec2};
 
 use super::noise::{R2, Random, hash};
-use super::{Aim, Eye, Plan, Sampler, Seen, Shot, Span, trace};
+use super::{Aim, Care, Eye, Plan, Sampler, Seen, Shot, Span, trace};
 
 /// Where in a pixel the traditional sampler looks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,6 +77,7 @@ impl Sampler for Traditional {
                 time: span.instant(i),
                 aim,
                 seed,
+                care: Care::default(),
             });
         }
         trace(&self.plans, self.size, eye, &mut self.seen);
@@ -122,6 +123,7 @@ impl Sampler for Uniform {
                 time: span.instant(i),
                 aim: Aim::Pixel(pixel),
                 seed,
+                care: Care::default(),
             });
         }
         trace(&self.plans, self.size, eye, &mut self.seen);

@@ -1,9 +1,14 @@
 //! Whether a scene can be traced at all: every index in range, every number finite.
 
+use crate::effects::BUILT_IN;
+use crate::scene::calls;
 use crate::scene::model::{Channel, Interpolation, Primitive, Scene, Track};
 
 /// Widest and highest image, pixels (as on the wire).
 pub const MAX_SIZE: u32 = 4096;
+
+/// Effects of the feature `effects`.
+const OPTIONAL: [&str; 3] = ["soft_shadows", "indirect_diffuse", "medium"];
 
 /// Why a scene cannot be made ready.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -11,6 +16,14 @@ pub enum WorldError {
     /// The image has no pixels or too many.
     #[error("image size {0}x{1}: give a width and a height of 1 to {MAX_SIZE} pixels")]
     Size(u32, u32),
+    /// The scene calls for what this program was built without.
+    #[error("scene '{scene}' calls for {effect}: build with the feature `effects`")]
+    LeftOut {
+        /// Name of the scene.
+        scene: String,
+        /// The effect.
+        effect: &'static str,
+    },
     /// The scene contradicts itself.
     #[error("scene '{scene}', {place}: {problem}")]
     Broken {
@@ -95,6 +108,15 @@ pub(crate) fn check(scene: &Scene, size: [u32; 2]) -> Result<(), WorldError> {
         if let Some(problem) = channel_problem(scene, channel) {
             return broken(format!("animation channel {i}"), problem);
         }
+    }
+    if !BUILT_IN
+        && let Some(call) =
+            (calls::effects(scene).into_iter()).find(|e| e.called_for && OPTIONAL.contains(&e.name))
+    {
+        return Err(WorldError::LeftOut {
+            scene: scene.name.clone(),
+            effect: call.name,
+        });
     }
     Ok(())
 }

@@ -5,6 +5,14 @@ use rayon::prelude::*;
 
 use super::srgb;
 use super::world::World;
+use crate::effects::care::{self, Care, MOST};
+
+/// Rays of effects for each sample of a pixel: with 16 samples a pixel sees an area light through
+/// 128 points, 256 choices of virtual lights and 64 places in a medium.
+const CARE: Care = Care {
+    rays: [8, 16, 4],
+    pattern: true,
+};
 
 /// The image at instant `t` (seconds), row by row from the top, sRGB codes.
 ///
@@ -23,13 +31,14 @@ pub fn ideal(world: &mut World, t: f64, n: u32) -> Vec<[u8; 3]> {
         .for_each(|(y, row)| {
             for (x, pixel) in row.iter_mut().enumerate() {
                 let mut sum = Vec3::ZERO;
+                let set = care::set(y as u32 * width + x as u32);
                 for i in 0..n * n {
                     let at = Vec2::new((i % n) as f32, (i / n) as f32) + 0.5;
                     let place = Vec2::new(x as f32, y as f32) + at / n as f32;
-                    // The same places on the lens in every pixel would show as a pattern.
-                    let seed = (y as u32).wrapping_mul(width).wrapping_add(x as u32);
+                    // Points of one set in a pixel, another set in the next.
                     sum += moment
-                        .look(place, seed.wrapping_mul(n * n).wrapping_add(i))
+                        .look_with(place, set | i * MOST as u32, CARE)
+                        .0
                         .colour;
                 }
                 *pixel = srgb::encode8(sum / (n * n) as f32);

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use glam::{Affine3A, Vec3, Vec3A};
 
 use super::shade::lifted;
+use crate::effects::BUILT_IN;
 use crate::effects::area::Surface;
 use crate::effects::vpl::cosine;
 use crate::scene::animate::Animation;
@@ -66,7 +67,7 @@ pub(crate) struct Incoming {
 }
 
 impl Lamp {
-    /// All lights of a scene.
+    /// All lights of a scene, area lights last.
     pub(crate) fn all(scene: &Scene) -> Vec<Self> {
         let mut lamps: Vec<Self> = Vec::new();
         let mut emitters: Vec<(f32, Self)> = Vec::new();
@@ -176,7 +177,7 @@ impl Lamp {
 
     /// Whether it is an area light.
     pub(crate) fn is_area(&self) -> bool {
-        matches!(self.shape, Shape::Emitter { .. })
+        BUILT_IN && matches!(self.shape, Shape::Emitter { .. })
     }
 
     /// What arrives at `at` from the lamp at `place`; `None` where that is nothing. An area
@@ -223,6 +224,9 @@ impl Lamp {
                 }
             },
             Shape::Emitter { surface, radiance } => {
+                if !BUILT_IN {
+                    return None;
+                }
                 let (random, pose) = point();
                 let (offset, solid) = surface.seen(random, &pose, place.total, at)?;
                 let distance = offset.length().max(1e-4);

@@ -12,6 +12,7 @@ use super::light::Place;
 use super::shade::{Path, Shader, lifted};
 use super::world::World;
 use super::{Hit, Rays};
+use crate::effects::care::{Care, Told};
 
 /// A world at an instant. Making one costs a few nanoseconds: movers are placed when a ray
 /// comes near them.
@@ -81,11 +82,17 @@ impl<'a> Moment<'a> {
     /// A camera sample at pixel coordinates. `seed` decides where on the lens.
     #[must_use]
     pub fn look(&self, pixel: Vec2, seed: u32) -> Hit {
+        self.look_with(pixel, seed, Care::default()).0
+    }
+
+    /// The same with care for effects, and what these told.
+    #[must_use]
+    pub fn look_with(&self, pixel: Vec2, seed: u32, care: Care) -> (Hit, Told) {
         let direction = self.camera.direction(pixel);
         if self.camera.aperture > 0.0 {
-            self.look_through_lens(direction, seed)
+            self.look_through_lens(direction, seed, care)
         } else {
-            self.look_along(direction, seed)
+            self.sample(self.camera.eye, direction, seed, care)
         }
     }
 
@@ -93,19 +100,26 @@ impl<'a> Moment<'a> {
     /// have unit length.
     #[must_use]
     pub fn look_along(&self, direction: Vec3, seed: u32) -> Hit {
-        self.sample(self.camera.eye, direction, seed)
+        self.look_along_with(direction, seed, Care::default()).0
+    }
+
+    /// The same with care for effects, and what these told.
+    #[must_use]
+    pub fn look_along_with(&self, direction: Vec3, seed: u32, care: Care) -> (Hit, Told) {
+        self.sample(self.camera.eye, direction, seed, care)
     }
 
     /// Thin lens (Cook, Porter and Carpenter 1984, §4.1). The hit is reported on the ray through
     /// the centre, at the depth found, so that it projects to its own pixel.
-    fn look_through_lens(&self, direction: Vec3, seed: u32) -> Hit {
+    fn look_through_lens(&self, direction: Vec3, seed: u32, care: Care) -> (Hit, Told) {
         let [u, v] = unit_square(seed);
         let (r, angle) = (self.camera.aperture * u.sqrt(), std::f32::consts::TAU * v);
         let offset = self.camera.right * (r * angle.cos()) + self.camera.down * (r * angle.sin());
-        let mut hit = self.sample(
+        let (mut hit, told) = self.sample(
             self.camera.eye + offset,
             direction - offset / self.camera.focus.max(1e-3),
             seed,
+            care,
         );
         if hit.object == SKY {
             hit.local = direction.normalize();
@@ -118,17 +132,23 @@ impl<'a> Moment<'a> {
                 None => at,
             };
         }
-        hit
+        (hit, told)
     }
 
-    fn sample(&self, origin: Vec3, direction: Vec3, seed: u32) -> Hit {
-        let mut shader = Shader::new(self, seed ^ scramble(direction));
+    fn sample(&self, origin: Vec3, direction: Vec3, seed: u32, care: Care) -> (Hit, Told) {
+        // The seeds of a pattern are meant as they are.
+        let scrambled = if care.pattern {
+            seed
+        } else {
+            seed ^ scramble(direction)
+        };
+        let mut shader = Shader::new(self, scrambled, care);
         shader.rays = Rays {
             primary: 1,
             ..Rays::default()
         };
         let along = self.camera.forward.dot(direction);
-        match self.closest(origin, direction) {
+        let hit = match self.closest(origin, direction) {
             Some(struck) => {
                 let length = direction.length();
                 let path = Path {
@@ -138,8 +158,8 @@ impl<'a> Moment<'a> {
                     weight: Vec3::ONE,
                 };
                 let colour = shader.radiance(&struck, &path);
-                let colour =
-                    shader.through_medium(origin, path.direction, struck.t * length, colour);
+                let end = struck.t * length;
+                let colour = shader.through_medium(origin, path.direction, end, colour, Vec3::ONE);
                 Hit {
                     colour: colour.clamp(Vec3::ZERO, Vec3::ONE),
                     object: struck.spot.object,
@@ -151,7 +171,8 @@ impl<'a> Moment<'a> {
             None => {
                 let direction = direction.normalize();
                 let sky = shader.sky(direction);
-                let colour = shader.through_medium(origin, direction, f32::INFINITY, sky);
+                let end = f32::INFINITY;
+                let colour = shader.through_medium(origin, direction, end, sky, Vec3::ONE);
                 Hit {
                     colour: colour.clamp(Vec3::ZERO, Vec3::ONE),
                     object: SKY,
@@ -160,7 +181,8 @@ impl<'a> Moment<'a> {
                     rays: shader.rays,
                 }
             }
-        }
+        };
+        (hit, shader.told)
     }
 
     /// Place of a lamp.

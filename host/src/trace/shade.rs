@@ -11,8 +11,9 @@ use glam::Vec3;
 
 use super::Rays;
 use super::cone::{Cone, Footprint};
-use super::moment::{Moment, Struck, unit_square};
+use super::moment::{Moment, Struck};
 use super::pattern::pattern;
+use crate::effects::care::{Care, INDIRECT, MEDIUM, MOST, Points, Purpose, SOFT, Told};
 use crate::scene::model::{MIRROR_ROUGHNESS, Material};
 
 /// Most bounces of a path.
@@ -29,8 +30,11 @@ pub(crate) struct Shader<'a> {
     moment: &'a Moment<'a>,
     /// Rays traced so far.
     pub(crate) rays: Rays,
-    /// Where effects that choose at random take their numbers from.
-    seed: u32,
+    care: Care,
+    /// Where effects that choose take their numbers from.
+    points: Points,
+    /// What the rays of effects brought so far.
+    pub(crate) told: Told,
 }
 
 /// How a ray came to a surface.
@@ -56,11 +60,13 @@ struct Response {
 }
 
 impl<'a> Shader<'a> {
-    pub(crate) fn new(moment: &'a Moment<'a>, seed: u32) -> Self {
+    pub(crate) fn new(moment: &'a Moment<'a>, seed: u32, care: Care) -> Self {
         Self {
             moment,
             rays: Rays::default(),
-            seed,
+            care,
+            points: Points::new(seed, care.pattern),
+            told: Told::default(),
         }
     }
 
@@ -92,8 +98,8 @@ impl<'a> Shader<'a> {
             alpha: glossy.then(|| material.roughness.max(MIRROR_ROUGHNESS).powi(2)),
         };
         let direct = self.direct(struck, path.direction, &response, path.weight * share);
-        let ambient = if scene.indirect {
-            self.indirect(struck)
+        let ambient = if self.moment.indirect() {
+            self.indirect(struck, path.weight * share * base)
         } else {
             scene.sky.ambient
         };
@@ -128,14 +134,25 @@ impl<'a> Shader<'a> {
         diffuse(material, base) * share
     }
 
-    /// Irradiance/π from one virtual point light for all.
-    fn indirect(&mut self, struck: &Struck) -> Vec3 {
-        let lights = &self.moment.world.vpls;
-        let [at, _] = random(&mut self.seed);
-        let Some(vpl) = lights.get((at * lights.len() as f32) as usize) else {
-            return Vec3::ZERO;
-        };
-        let Some((towards, distance, light)) = vpl.incoming(struck.place, struck.smooth) else {
+    /// Irradiance/π from few virtual point lights for all.
+    fn indirect(&mut self, struck: &Struck, weight: Vec3) -> Vec3 {
+        let rays = self.care.of(INDIRECT);
+        let (mut sum, mut brought) = (Vec3::ZERO, [0.0; MOST]);
+        for (i, brought) in brought[..rays].iter_mut().enumerate() {
+            let point = self.points.next(Purpose::Light, i);
+            let light = self.from_vpl(struck, point);
+            *brought = luminance(light * weight);
+            sum += light;
+        }
+        self.told.add(INDIRECT, &brought[..rays]);
+        sum / rays as f32
+    }
+
+    /// The same from one that two numbers in 0..1 choose.
+    fn from_vpl(&mut self, struck: &Struck, point: [f32; 2]) -> Vec3 {
+        let vpls = &self.moment.world.vpls;
+        let Some((towards, distance, light)) = vpls.choose(struck.place, struck.smooth, point)
+        else {
             return Vec3::ZERO;
         };
         self.rays.indirect += 1;
@@ -144,7 +161,7 @@ impl<'a> Shader<'a> {
             return Vec3::ZERO;
         }
         let passing = self.moment.between(origin, towards, distance);
-        light * (passing * lights.len() as f32 * FRAC_1_PI)
+        light * (passing * FRAC_1_PI)
     }
 
     /// Light that is not reflected diffusely: emission, mirror and glass; and the share that
@@ -200,38 +217,85 @@ impl<'a> Shader<'a> {
 
     /// Light that comes straight from the lamps.
     fn direct(&mut self, s: &Struck, direction: Vec3, response: &Response, weight: Vec3) -> Vec3 {
+        let world = self.moment.world;
+        let (hard, soft) = world.lamps.split_at(world.first_area);
+        let mut rays = 0;
         let mut sum = Vec3::ZERO;
-        for (i, lamp) in self.moment.world.lamps.iter().enumerate() {
-            let moment = self.moment;
-            let seed = &mut self.seed;
-            let point = || (random(seed), moment.lamp_pose(i));
-            let Some(mut light) = lamp.incoming(&moment.lamp(i), s.place, point) else {
-                continue;
-            };
-            let cos = s.smooth.dot(light.towards);
-            if cos <= 0.0 || s.flat.dot(light.towards) <= 0.0 {
-                continue;
-            }
-            let reflected = response.towards(s.smooth, -direction, light.towards);
-            if let Some(medium) = &moment.world.scene.medium {
-                light.irradiance *= medium.between(s.place, light.towards, light.distance);
-            }
-            let arriving = reflected * light.irradiance * cos;
-            if (arriving * weight).max_element() < NEGLIGIBLE {
-                continue;
-            }
-            if lamp.is_area() {
-                self.rays.soft += 1;
-            } else {
-                self.rays.shadow += 1;
-            }
-            let origin = lifted(s.place, s.flat);
-            let reach = light.distance * 0.9999;
-            if !self.moment.blocked(origin, light.towards, reach) {
-                sum += arriving;
-            }
+        for i in 0..hard.len() {
+            sum += self.from_lamp(i, [0.5; 2], s, direction, response, weight, &mut rays);
+        }
+        self.rays.shadow += rays;
+        if !soft.is_empty() {
+            sum += self.from_areas(s, direction, response, weight);
         }
         sum
+    }
+
+    /// Light from area lights.
+    fn from_areas(
+        &mut self,
+        s: &Struck,
+        direction: Vec3,
+        response: &Response,
+        weight: Vec3,
+    ) -> Vec3 {
+        let world = self.moment.world;
+        let count = self.care.of(SOFT);
+        let (mut sum, mut brought) = (Vec3::ZERO, [0.0; MOST]);
+        let mut rays = 0;
+        for lamp in world.first_area..world.lamps.len() {
+            for (i, brought) in brought[..count].iter_mut().enumerate() {
+                let point = self.points.next(Purpose::Lamp(lamp), i);
+                let light = self.from_lamp(lamp, point, s, direction, response, weight, &mut rays);
+                *brought += luminance(light * weight);
+                sum += light;
+            }
+        }
+        self.rays.soft += rays;
+        self.told.add(SOFT, &brought[..count]);
+        sum / count as f32
+    }
+
+    /// Light that comes straight from a lamp, of which `point` says where.
+    #[inline]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "a place, a lamp and what joins them"
+    )]
+    fn from_lamp(
+        &self,
+        lamp: usize,
+        point: [f32; 2],
+        s: &Struck,
+        direction: Vec3,
+        response: &Response,
+        weight: Vec3,
+        rays: &mut u32,
+    ) -> Vec3 {
+        let moment = self.moment;
+        let place = || (point, moment.lamp_pose(lamp));
+        let incoming = moment.world.lamps[lamp].incoming(&moment.lamp(lamp), s.place, place);
+        let Some(mut light) = incoming else {
+            return Vec3::ZERO;
+        };
+        let cos = s.smooth.dot(light.towards);
+        if cos <= 0.0 || s.flat.dot(light.towards) <= 0.0 {
+            return Vec3::ZERO;
+        }
+        let reflected = response.towards(s.smooth, -direction, light.towards);
+        if let Some(medium) = moment.medium() {
+            light.irradiance *= medium.between(s.place, light.towards, light.distance);
+        }
+        let arriving = reflected * light.irradiance * cos;
+        if (arriving * weight).max_element() < NEGLIGIBLE {
+            return Vec3::ZERO;
+        }
+        *rays += 1;
+        let origin = lifted(s.place, s.flat);
+        if moment.blocked(origin, light.towards, light.distance * 0.9999) {
+            return Vec3::ZERO;
+        }
+        arriving
     }
 
     fn mirrored(&mut self, s: &Struck, path: &Path, tint: Vec3) -> Vec3 {
@@ -296,6 +360,7 @@ impl<'a> Shader<'a> {
             return self.moment.world.scene.sky.ambient;
         }
         let direction = path.direction.normalize_or(Vec3::Y);
+        let weight = path.weight;
         let (end, light) = match self.moment.closest(origin, direction) {
             Some(struck) => {
                 let path = Path {
@@ -308,7 +373,7 @@ impl<'a> Shader<'a> {
             }
             None => (f32::INFINITY, self.sky(direction)),
         };
-        self.through_medium(origin, direction, end, light)
+        self.through_medium(origin, direction, end, light, weight)
     }
 
     /// Whether a path goes on after `tint`, as a number of rays.
@@ -318,27 +383,35 @@ impl<'a> Shader<'a> {
     }
 
     /// What arrives at `origin` of `light` from `end` metres along the unit `direction`, with
-    /// what the medium adds on the way: one place in it, and all lamps from there.
+    /// what the medium adds on the way: few places in it, and all lamps from there.
     pub(crate) fn through_medium(
         &mut self,
         origin: Vec3,
         direction: Vec3,
         end: f32,
         light: Vec3,
+        weight: Vec3,
     ) -> Vec3 {
         let moment = self.moment;
-        let Some(medium) = &moment.world.scene.medium else {
+        let Some(medium) = moment.medium() else {
             return light;
         };
         let Some(inside) = medium.stretch(origin, direction, end) else {
             return light;
         };
-        let [at, _] = random(&mut self.seed);
-        let (s, weight) = medium.distance(inside.length(), at);
-        let place = origin + direction * (inside.from + s);
-        let point = random(&mut self.seed);
-        let (thrown, ..) = moment.thrown(place, direction, point, &mut self.rays.medium);
-        light * medium.transmittance(inside.length()) + thrown * weight
+        let count = self.care.of(MEDIUM);
+        let (mut sum, mut brought) = (Vec3::ZERO, [0.0; MOST]);
+        for (i, brought) in brought[..count].iter_mut().enumerate() {
+            let [at, _] = self.points.next(Purpose::Place, i);
+            let (s, metres) = medium.distance(inside.length(), at);
+            let place = origin + direction * (inside.from + s);
+            let point = self.points.next(Purpose::Glow, i);
+            let (thrown, ..) = moment.thrown(place, direction, point, &mut self.rays.medium);
+            *brought = luminance(thrown * metres * weight);
+            sum += thrown * metres;
+        }
+        self.told.add(MEDIUM, &brought[..count]);
+        light * medium.transmittance(inside.length()) + sum / count as f32
     }
 }
 
@@ -361,10 +434,9 @@ fn goes_on(path: &Path) -> bool {
     path.weight.max_element() >= FAINT && path.bounces < MAX_BOUNCES
 }
 
-/// The next two numbers in 0..1.
-fn random(seed: &mut u32) -> [f32; 2] {
-    *seed = seed.wrapping_add(0x9e37_79b9);
-    unit_square(*seed)
+/// Luminance of linear light (ITU-R BT.709).
+fn luminance(light: Vec3) -> f32 {
+    light.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }
 
 impl Response {

@@ -22,7 +22,7 @@ use super::light::{Lamp, Place, lights_others};
 use super::moment::Moment;
 use super::skin::Skinned;
 use super::texture::Sampler;
-use crate::effects::vpl::{self, Vpl};
+use crate::effects::vpl::{self, Vpls};
 use crate::scene::animate::Animation;
 use crate::scene::model::{Lens, MIRROR_ROUGHNESS, Primitive, Scene};
 
@@ -65,8 +65,10 @@ pub struct World {
     pub(crate) object_frames: Vec<usize>,
     object_bounds: Vec<Aabb>,
     pub(crate) lamps: Vec<Lamp>,
+    /// From this one on lamps are area lights.
+    pub(crate) first_area: usize,
     /// Of the prepared stretch, when the scene calls for indirect light.
-    pub(crate) vpls: Vec<Vpl>,
+    pub(crate) vpls: Vpls,
     camera: Option<(usize, Lens)>,
     pub(crate) epoch: Epoch,
 }
@@ -125,6 +127,7 @@ impl World {
             swept: Vec::new(),
             tree: None,
         };
+        let lamps = Lamp::all(&scene);
         let mut world = Self {
             size,
             sampler: Sampler::new(&scene.textures),
@@ -138,8 +141,9 @@ impl World {
             skin: Geometry::new(skin),
             object_bounds: Vec::new(),
             object_frames,
-            lamps: Lamp::all(&scene),
-            vpls: Vec::new(),
+            first_area: lamps.partition_point(|lamp| !lamp.is_area()),
+            lamps,
+            vpls: Vpls::default(),
             camera,
             epoch,
             scene,
@@ -277,8 +281,9 @@ impl World {
             skinned.pose(&self.scene, &self.poses, &mut corners, &mut normals);
             self.skin.refit(&corners, &normals);
         }
-        if self.scene.indirect {
-            self.vpls = vpl::scatter(&self.moment(0.5 * (t0 + t1)), vpl::LIGHTS);
+        let middle = self.moment(0.5 * (t0 + t1));
+        if middle.indirect() {
+            self.vpls = vpl::scatter(&middle, vpl::PATHS, vpl::NEAR);
         }
     }
 

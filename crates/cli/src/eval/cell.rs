@@ -15,6 +15,7 @@ use unframed_recon::Fixed;
 
 use super::ideals::{Reference, instant};
 use super::methods::{EvalMethod, Setting, Way};
+use super::rays;
 use super::store::{Key, slug, write_whole};
 use crate::args::{DisplayKind, Size};
 use crate::measure::REFRESH_HZ;
@@ -200,6 +201,9 @@ pub struct Cell {
     pub p95_rmse: f64,
     /// Camera samples taken.
     pub samples: u64,
+    /// Rays of all kinds; 0 of what has no stream.
+    #[serde(default)]
+    pub rays: u64,
     /// Bytes of the stream; 0 of what has none.
     pub stream_bytes: u64,
     /// Seconds on one core that the renderer took.
@@ -238,7 +242,10 @@ pub fn run(
         let mut run = Run::new(job, references, tick)?;
         match job.method.way(world, job.rate, job.seed, setting) {
             Way::Frames(mut framed) => run.frames(framed.as_mut())?,
-            way @ Way::Stream { .. } => run.stream(world, way)?,
+            way @ Way::Stream { .. } => {
+                let rate = rays::rate(job, world, setting)?;
+                run.stream(world, way, rate)?;
+            }
         }
         let (cell, pictures) = run.finish(setting, build)?;
         if best
@@ -273,6 +280,7 @@ struct Run<'a> {
     shares: ErrorShares,
     pictures: Vec<(u32, Picture)>,
     samples: u64,
+    rays: u64,
     stream_bytes: u64,
     seconds_host: f64,
     seconds_display: f64,
@@ -301,6 +309,7 @@ impl<'a> Run<'a> {
             shares: ErrorShares::default(),
             pictures: Vec::new(),
             samples: 0,
+            rays: 0,
             stream_bytes: 0,
             seconds_host: 0.0,
             seconds_display: 0.0,
@@ -349,7 +358,7 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    fn stream(&mut self, world: &World, way: Way) -> Result<()> {
+    fn stream(&mut self, world: &World, way: Way, rate: u32) -> Result<()> {
         let Way::Stream {
             sampler,
             layout,
@@ -363,7 +372,7 @@ impl<'a> Run<'a> {
         let promise = Promise {
             layout,
             tile_fields,
-            rate: job.rate,
+            rate,
             refresh_millihertz: REFRESH_HZ * 1000,
         };
         let order = Order {
@@ -386,6 +395,7 @@ impl<'a> Run<'a> {
                 let clock = Stopwatch::start();
                 let step = host.advance(&mut bytes)?;
                 self.seconds_host += clock.seconds();
+                self.rays += u64::from(step.rays.total());
                 if step.cut {
                     self.cuts.push(step.time);
                 }
@@ -462,6 +472,7 @@ impl<'a> Run<'a> {
             worst_time: totals.worst_time,
             p95_rmse: totals.p95_rmse,
             samples: self.samples,
+            rays: self.rays,
             stream_bytes: self.stream_bytes,
             seconds_host: self.seconds_host,
             seconds_display: self.seconds_display,

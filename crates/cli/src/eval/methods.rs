@@ -44,9 +44,20 @@ pub enum EvalMethod {
     Framed60Tenfold,
     /// Full resolution at 60 Hz in no time.
     Framed60TenfoldNoDelay,
+    /// `adaptive` without guidance by effects, at equal rays: random points, as many for each
+    /// effect in each sample as do best.
+    AdaptiveUnguided,
+    /// The same with the tiles' sequences of points.
+    AdaptivePatternOnly,
     /// `adaptive` with a part left out.
     Without(Part),
 }
+
+/// Methods that are asked for by name alone: they differ where effects are called for.
+const BY_NAME: [(EvalMethod, &str); 2] = [
+    (EvalMethod::AdaptiveUnguided, "adaptive-unguided"),
+    (EvalMethod::AdaptivePatternOnly, "adaptive-pattern-only"),
+];
 
 /// Names that are known, and their methods.
 const NAMES: [(EvalMethod, &str); 12] = [
@@ -107,6 +118,9 @@ pub enum Setting {
     Only,
     /// Of temporal antialiasing.
     Taau(&'static str, Tuning),
+    /// Rays of each effect in each sample, at the rate at which all rays are as many as those of
+    /// `adaptive`.
+    Rays(&'static str, u8),
 }
 
 impl Setting {
@@ -115,7 +129,7 @@ impl Setting {
     pub fn name(self) -> &'static str {
         match self {
             Self::Only => "",
-            Self::Taau(name, _) => name,
+            Self::Taau(name, _) | Self::Rays(name, _) => name,
         }
     }
 }
@@ -145,7 +159,10 @@ impl EvalMethod {
 
     /// Everything that has a name.
     pub fn known() -> impl Iterator<Item = Self> {
-        Self::all().chain(Part::all().map(Self::Without))
+        let by_name = BY_NAME.iter().map(|entry| entry.0);
+        Self::all()
+            .chain(by_name)
+            .chain(Part::all().map(Self::Without))
     }
 
     /// Its name.
@@ -156,6 +173,7 @@ impl EvalMethod {
         }
         NAMES
             .iter()
+            .chain(&BY_NAME)
             .find(|entry| entry.0 == self)
             .map_or("", |entry| entry.1)
     }
@@ -193,6 +211,11 @@ impl EvalMethod {
                     Setting::Taau("sharp", Tuning::SHARP),
                 ]
             }
+            Self::AdaptiveUnguided | Self::AdaptivePatternOnly => {
+                [("1 ray", 1), ("4 rays", 4), ("9 rays", 9)]
+                    .map(|(name, rays)| Setting::Rays(name, rays))
+                    .to_vec()
+            }
             _ => vec![Setting::Only],
         }
     }
@@ -219,6 +242,14 @@ impl EvalMethod {
         if let Some(method) = self.method() {
             let sampler = match self {
                 Self::Without(_) => Box::new(Adaptive::new(size, self.knobs(seed))),
+                Self::AdaptiveUnguided | Self::AdaptivePatternOnly => {
+                    let rays = match setting {
+                        Setting::Rays(_, rays) => rays,
+                        _ => 1,
+                    };
+                    let knobs = self.knobs(seed);
+                    Box::new(Adaptive::new(size, adaptive::Config { rays, ..knobs }))
+                }
                 _ => method.sampler(size, seed),
             };
             let unmoved = self == Self::AdaptiveNoSamplerReprojection;
@@ -245,7 +276,7 @@ impl EvalMethod {
             (Self::Taau, Setting::Taau(_, tuning)) => {
                 Box::new(Taau::new(world, rate, tuning, seed))
             }
-            (Self::Taau, Setting::Only) => Box::new(Taau::new(world, rate, Tuning::SHARP, seed)),
+            (Self::Taau, _) => Box::new(Taau::new(world, rate, Tuning::SHARP, seed)),
             (Self::FramedFull, _) => Box::new(Frames::full_resolution(world, rate)),
             (_, _) => Box::new(Frames::every_refresh(world, self == Self::Framed60Tenfold)),
         })
@@ -261,6 +292,8 @@ impl EvalMethod {
             Self::Adaptive
             | Self::AdaptiveNoSamplerReprojection
             | Self::AdaptiveNoDisplayReprojection
+            | Self::AdaptiveUnguided
+            | Self::AdaptivePatternOnly
             | Self::Without(_) => Some(Method::Adaptive),
             Self::Framed60LowRes
             | Self::FramedFull
@@ -278,6 +311,11 @@ impl EvalMethod {
         };
         match self {
             Self::Without(part) => part.sampler(knobs),
+            Self::AdaptiveUnguided | Self::AdaptivePatternOnly => adaptive::Config {
+                pattern: self == Self::AdaptivePatternOnly,
+                guidance: false,
+                ..knobs
+            },
             _ => knobs,
         }
     }

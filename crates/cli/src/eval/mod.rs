@@ -18,6 +18,7 @@ pub mod page;
 pub mod parts;
 pub mod plan;
 pub mod probes;
+pub mod rays;
 pub mod schedule;
 pub mod store;
 pub mod table;

@@ -37,6 +37,8 @@ pub struct Row {
     pub p95_rmse: f64,
     /// Camera samples taken.
     pub samples: u64,
+    /// Rays of all kinds; 0 of what has no stream.
+    pub rays: u64,
     /// Stream bytes a sample; none without a stream.
     pub bytes_per_sample: Option<f64>,
     /// Seconds on one core of the renderer.
@@ -103,6 +105,7 @@ fn row(group: &[&Cell]) -> Row {
         worst_rmse: group.iter().map(|c| c.worst_rmse).fold(0.0, f64::max),
         p95_rmse: mean(|c| c.p95_rmse),
         samples: mean(|c| c.samples as f64).round() as u64,
+        rays: mean(|c| c.rays as f64).round() as u64,
         bytes_per_sample: (first.stream_bytes > 0)
             .then(|| first.stream_bytes as f64 / first.samples.max(1) as f64),
         seconds_host: mean(|c| c.seconds_host),

@@ -290,6 +290,7 @@ fn claims_are_ratios_of_means_over_seeds() {
         worst_time: 0.0,
         p95_rmse: rmse,
         samples: 10,
+        rays: 0,
         stream_bytes: 0,
         seconds_host: 1.0,
         seconds_display: 1.0,

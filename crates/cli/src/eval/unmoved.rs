@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
 use glam::{Affine3A, UVec2, Vec2, Vec3};
+use unframed_host::effects::care::{Care, Told};
 use unframed_host::sampler::{Effort, Eye, Sampler, Shot, Span};
 use unframed_host::trace::Hit;
 use unframed_host::trace::camera::Camera;
@@ -99,12 +100,16 @@ impl Eye for StillEye<'_> {
     }
 
     fn look(&self, time: f64, pixel: Vec2, seed: u32) -> Hit {
-        let hit = self.eye.look(time, pixel, seed);
+        self.look_with(time, pixel, seed, Care::default()).0
+    }
+
+    fn look_with(&self, time: f64, pixel: Vec2, seed: u32, care: Care) -> (Hit, Told) {
+        let (hit, told) = self.eye.look_with(time, pixel, seed, care);
         let mut found = self.found.lock().unwrap_or_else(PoisonError::into_inner);
         found.insert(time.to_bits(), (pixel, hit));
         drop(found);
         let direction = self.camera.direction(pixel);
-        if hit.object == SKY {
+        let still = if hit.object == SKY {
             Hit {
                 local: direction.normalize(),
                 ..hit
@@ -115,10 +120,16 @@ impl Eye for StillEye<'_> {
                 local: self.camera.eye + direction * hit.depth,
                 ..hit
             }
-        }
+        };
+        (still, told)
     }
 
     fn look_along(&self, time: f64, direction: Vec3, seed: u32) -> Hit {
+        self.look_along_with(time, direction, seed, Care::default())
+            .0
+    }
+
+    fn look_along_with(&self, time: f64, direction: Vec3, seed: u32, care: Care) -> (Hit, Told) {
         let last = Vec2::new(
             (self.size.x as f32).next_down(),
             (self.size.y as f32).next_down(),
@@ -127,6 +138,6 @@ impl Eye for StillEye<'_> {
             Some((pixel, _)) => pixel.clamp(Vec2::ZERO, last),
             None => self.camera.centre,
         };
-        self.look(time, pixel, seed)
+        self.look_with(time, pixel, seed, care)
     }
 }

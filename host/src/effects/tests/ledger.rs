@@ -8,7 +8,7 @@ use crate::sampler::adaptive::{Adaptive, Config};
 use crate::scene::calls;
 use crate::scene::model::{Light, LightKind, Node, Scene};
 use crate::stream::sender::Promise;
-use crate::trace::World;
+use crate::trace::{Rays, World};
 use unframed_wire::{Layout, TileFields};
 
 /// An effect, and what makes a scene call for it.
@@ -62,7 +62,6 @@ fn the_ledger_is_zero_for_what_is_not_called_for() {
     }
 }
 
-
 /// How an author takes the causes away again, in the order of [`CAUSES`]: what carried them stays.
 const REMOVALS: [fn(&mut Scene); 6] = [
     |s| {
@@ -82,8 +81,8 @@ const REMOVALS: [fn(&mut Scene); 6] = [
     |s| s.indirect = false,
 ];
 
-/// The bytes of a short stream.
-fn recorded(scene: Scene) -> Vec<u8> {
+/// The bytes of a short stream, and the rays that it cost.
+fn recorded(scene: Scene) -> (Vec<u8>, Rays) {
     let world = World::new(scene, SIZE).expect("a sound scene");
     let sampler = Adaptive::new(UVec2::from(SIZE), Config::default());
     let promise = Promise {
@@ -97,12 +96,12 @@ fn recorded(scene: Scene) -> Vec<u8> {
         refresh_millihertz: 60_000,
     };
     let mut host = Host::new(world, Box::new(sampler), promise);
-    let mut bytes = Vec::new();
+    let (mut bytes, mut rays) = (Vec::new(), Rays::default());
     for _ in 0..3 {
-        host.advance(&mut bytes).expect("a sound stream");
+        rays += host.advance(&mut bytes).expect("a sound stream").rays;
     }
     host.end(&mut bytes).expect("a sound stream");
-    bytes
+    (bytes, rays)
 }
 
 #[test]
@@ -131,7 +130,7 @@ fn a_cause_that_is_taken_away_leaves_no_byte_behind() {
                 63 => all.clone(),
                 _ => recorded(scene.clone()),
             };
-            assert!(after != before, "{name} in {mask:b} changes the stream");
+            assert!(after.0 != before.0, "{name} in {mask:b} changes the stream");
             removal(&mut scene);
             let same = recorded(scene) == before;
             assert!(same, "{name} taken away from {mask:b} leaves a trace");

@@ -12,6 +12,7 @@ use glam::{UVec2, Vec2, Vec3};
 
 use super::SIDE;
 use super::config::Config;
+use super::guidance::Points;
 use super::projection::{Projection, same_depth};
 use crate::sampler::srgb::squared_difference;
 
@@ -38,6 +39,8 @@ pub(super) struct Cell {
     pub(super) newest: [u8; 3],
     /// Object id.
     pub(super) object: u8,
+    /// The points that the newest sample took of lamps and media: a second look sees the same.
+    pub(super) points: Points,
     /// Where it was last seen; [`NONE`] outside the image.
     pub(super) pixel: u32,
     /// Depth along the axis, metres.
@@ -47,6 +50,8 @@ pub(super) struct Cell {
     /// Gradients: Σ Δc² (displayed levels²) and Σ Δt² (s²) of verified samples.
     pub(super) gradients: [f32; 2],
 }
+
+const _: () = assert!(size_of::<Cell>() == 64);
 
 impl Cell {
     /// Displayed colour of the newest sample.
@@ -66,6 +71,7 @@ impl Cell {
         if other.born > self.born {
             (self.local, self.born, self.newest) = (other.local, other.born, other.newest);
             (self.object, self.depth) = (other.object, other.depth);
+            self.points = other.points;
         }
     }
 }
@@ -79,6 +85,8 @@ pub(super) struct Fresh {
     pub(super) colour: Vec3,
     /// Seconds after the instant of the map.
     pub(super) born: f32,
+    /// The points that it took of lamps and media.
+    pub(super) points: Points,
 }
 
 /// How things fade from one epoch to the next.
@@ -396,6 +404,7 @@ impl Cells {
             weight: 1.0,
             newest: [0; 3],
             object: fresh.object,
+            points: fresh.points,
             pixel,
             depth,
             residuals: [0.0; 2],
@@ -454,7 +463,7 @@ impl Cell {
     /// Makes a sample the newest of its cell.
     fn refresh(&mut self, fresh: &Fresh, depth: f32) {
         (self.local, self.born, self.object) = (fresh.local, fresh.born, fresh.object);
-        self.depth = depth;
+        (self.depth, self.points) = (depth, fresh.points);
         self.newest = fresh.colour.to_array().map(|c| (c + 0.5) as u8);
     }
 

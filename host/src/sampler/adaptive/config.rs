@@ -57,6 +57,13 @@ pub struct Config {
     /// How much the logarithmic codes (eight to a factor of two) may differ within one tile that
     /// is sent.
     pub code_tolerance: u32,
+    /// Whether samples of a tile take the points of lamps and media from one sequence, and
+    /// second looks those of before; else all points are random.
+    pub pattern: bool,
+    /// Whether a tile's samples give more rays to the effects whose rays disagree there.
+    pub guidance: bool,
+    /// Rays of each effect in a sample, 1..=16, where there is no guidance.
+    pub rays: u8,
     /// Seeds everything.
     pub seed: u64,
 }
@@ -88,6 +95,9 @@ impl Default for Config {
             balanced: true,
             tolerance: 10.0,
             code_tolerance: 2,
+            pattern: true,
+            guidance: true,
+            rays: 1,
             seed: 1,
         }
     }

@@ -3,6 +3,7 @@
 use glam::{Vec2, Vec3};
 
 use super::cells::{Fresh, NONE};
+use super::guidance::Points;
 use super::projection::{SKY_DEPTH, same_depth};
 use super::tiles::Tile;
 use super::{Adaptive, Eye, Intent, Shot, displayed, squared_difference};
@@ -44,6 +45,7 @@ impl Adaptive {
                     object: hit.object,
                     colour: displayed(hit.colour),
                     born: (time - self.projection.time()) as f32,
+                    points: Points::new(self.scratch.plans[i].seed, self.scratch.plans[i].care),
                 },
                 seen,
                 pixel,
@@ -60,6 +62,9 @@ impl Adaptive {
                 find.shown = None;
             }
             let (seen, intent) = (self.scratch.seen[i], self.scratch.intents[i]);
+            if self.config.guidance {
+                self.guidance.learn(intent.tile, &seen.told);
+            }
             self.rates[intent.tile as usize] += 1.0;
             match seen.expected {
                 Some(expected) if intent.cell != NONE => {

@@ -17,6 +17,7 @@ mod alarm;
 mod allocate;
 mod cells;
 mod config;
+mod guidance;
 mod learn;
 mod lifetime;
 mod plan;
@@ -36,6 +37,7 @@ use super::{Aim, Effort, Eye, Plan, Sampler, Seen, Shot, Span, trace};
 use alarm::Alarm;
 use cells::{Cells, Fading};
 pub use config::Config;
+use guidance::Guidance;
 use learn::Find;
 use lifetime::Lifetimes;
 use projection::Projection;
@@ -60,6 +62,7 @@ pub struct Adaptive {
     objects: Vec<u8>,
     tiles: Vec<Tile>,
     fading: Fading,
+    guidance: Guidance,
     alarm: Alarm,
     cut: Option<f64>,
     order: Vec<u32>,
@@ -145,6 +148,7 @@ impl Adaptive {
             objects: Vec::new(),
             tiles: vec![Tile::default(); grid.len()],
             fading: Fading::default(),
+            guidance: Guidance::new(grid.len()),
             alarm: Alarm::default(),
             cut: None,
             order: allocate::z_order(grid.columns, grid.rows),
@@ -219,6 +223,7 @@ impl Sampler for Adaptive {
         self.stats.seconds[0] += begin.elapsed().as_secs_f64();
         let fade = (-span.length() as f32 / self.config.residual_memory).exp();
         self.rates.iter_mut().for_each(|rate| *rate *= fade);
+        self.guidance.fade(fade);
         let batches = (span.length() / self.config.batch).round().max(1.0) as usize;
         let batch = span.shots.div_ceil(batches).max(1);
         let mut first = 0;

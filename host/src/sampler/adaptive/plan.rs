@@ -19,7 +19,7 @@ impl Adaptive {
             } else {
                 1.0
             };
-            s.errors.push(error * area);
+            s.errors.push(error * area / self.guidance.cost(i));
             s.filled
                 .push(if c.water_filling { tile.samples } else { 0.0 });
         }
@@ -63,11 +63,16 @@ impl Adaptive {
                 born: 0.0,
             };
             let mut aim = Aim::Pixel(place);
+            let mut care = (self.guidance).care(tile, &self.tiles[tile as usize], &self.config);
+            let mut seed = self.random.next();
             let front = self.cells.plane[pixel as usize].front;
             if again && front != NONE {
                 let cell = &self.cells.pool[front as usize];
                 intent.cell = front;
                 (intent.colour, intent.born) = (cell.newest(), cell.born);
+                if care.pattern {
+                    (seed, care) = cell.points.get();
+                }
                 aim = Aim::Again {
                     object: cell.object,
                     local: cell.local,
@@ -75,11 +80,15 @@ impl Adaptive {
                 };
             } else {
                 self.cells.plane[pixel as usize].cover += 1.0;
+                if care.pattern {
+                    seed = self.guidance.seed(tile, care);
+                }
             }
             self.scratch.plans.push(Plan {
                 time,
                 aim,
-                seed: self.random.next(),
+                seed,
+                care,
             });
             self.scratch.intents.push(intent);
         }

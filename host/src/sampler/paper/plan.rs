@@ -8,7 +8,7 @@ use super::Paper;
 use super::crosshair::{ARMS, Crosshair, Initial};
 use crate::sampler::adaptive::projection::Projection;
 use crate::sampler::uniform::within;
-use crate::sampler::{Aim, Eye, Plan, Span};
+use crate::sampler::{Aim, Care, Eye, Plan, Span};
 
 /// What a sample is for.
 #[derive(Clone, Copy, Debug)]
@@ -182,6 +182,7 @@ impl Paper {
             time,
             aim: Aim::Pixel(place),
             seed: self.random.next(),
+            care: Care::default(),
         });
         self.chunk.errands.push(errand);
     }

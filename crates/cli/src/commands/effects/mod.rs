@@ -1,8 +1,12 @@
 //! `unframed effects`: the tables of Dubla et al. 2009 in shape, on scenes of ours.
 //!
-//! Columns are methods: `adaptive` (the paper's AIS), `all` (A-MAX: every pattern refined as far
-//! as it goes) and `plain` (interleaved sampling with the same number of samples everywhere, as
-//! near as whole numbers come to what `adaptive` took).
+//! Columns are methods: `adaptive` (guidance by the noise that the filter leaves), `listings`
+//! (guidance of the paper, its AIS), `all` (A-MAX: every pattern refined as far as it goes) and
+//! `plain` (interleaved sampling with the same number of samples everywhere, as near as whole
+//! numbers come to what `adaptive` took).
+
+mod convergence;
+mod strips;
 
 use std::time::Instant;
 
@@ -38,8 +42,9 @@ pub fn effects(args: &EffectsArgs) -> Result<()> {
     let mut rows = Vec::new();
     let progress = bar(args.scenes.len() as u64, "effects");
     println!(
-        "| scene | adaptive, ms | all, ms | speed-up | plain, ms | Mray adaptive / all / plain \
-         | RMSE | FLIP |\n|---|---|---|---|---|---|---|---|"
+        "adaptive / listings / all / plain:\n\
+         | scene | ms | speed-up | Mray | fewer rays | RMSE | FLIP | FLIP over all |\n\
+         |---|---|---|---|---|---|---|---|"
     );
     for name in &args.scenes {
         rows.push(scene(args, name)?);
@@ -51,20 +56,39 @@ pub fn effects(args: &EffectsArgs) -> Result<()> {
         let all: Vec<f64> = rows.iter().filter_map(of).collect();
         all.iter().sum::<f64>() / all.len().max(1) as f64
     };
-    let speed_up = mean(&|r| number(r, "/speed_up"));
-    let worse = mean(&|r| {
-        Some(number(r, "/methods/adaptive/flip")? / number(r, "/methods/all/flip")? - 1.0)
-    });
-    println!(
-        "mean speed-up over all: {speed_up:.2}; mean FLIP against all: {:+.1} %",
-        100.0 * worse
-    );
+    let against_all = |method: &str, what: &str| {
+        let of = |r: &Value, m: &str| number(r, &format!("/methods/{m}/{what}"));
+        mean(&|r| Some(of(r, method)? / of(r, "all")?))
+    };
+    let mut means = serde_json::Map::new();
+    for method in ["adaptive", "listings", "plain"] {
+        let inverse = |what: &str| {
+            let of = |r: &Value, m: &str| number(r, &format!("/methods/{m}/{what}"));
+            mean(&|r| Some(of(r, "all")? / of(r, method)?))
+        };
+        let (speed_up, rays) = (inverse("seconds"), inverse("rays"));
+        let (rmse, flip) = (against_all(method, "rmse"), against_all(method, "flip"));
+        println!(
+            "mean of {method} against all: speed-up {speed_up:.2}, rays {rays:.2} times fewer, \
+             RMSE x {rmse:.3}, FLIP x {flip:.3}"
+        );
+        means.insert(
+            method.into(),
+            json!({ "speed_up": speed_up, "fewer_rays": rays, "rmse": rmse, "flip": flip }),
+        );
+    }
+    let slopes = if args.pictures {
+        strips::strips(&args.out)?;
+        convergence::convergence(&args.out)?
+    } else {
+        Value::Null
+    };
     let report = json!({
         "size": [args.size.width, args.size.height],
         "reference_paths": args.reference,
         "scenes": rows,
-        "mean_speed_up": speed_up,
-        "mean_flip_increase": worse,
+        "against_all": means,
+        "convergence": slopes,
     });
     let path = args.out.join("report.json");
     std::fs::write(&path, serde_json::to_vec_pretty(&report)?)
@@ -87,11 +111,12 @@ fn scene(args: &EffectsArgs, name: &str) -> Result<Value> {
         layer.map_or(1, |l| l.mean().round() as u32)
     });
     let all = timed(args, &mut world, "all", Refinement::All);
+    let listings = timed(args, &mut world, "listings", Refinement::Listings);
     let plain = timed(args, &mut world, "plain", Refinement::Plain(like));
-    let speed_up = all.seconds / adaptive.seconds;
+    let methods_in_order = [&adaptive, &listings, &all, &plain];
     let mut methods = serde_json::Map::new();
     let mut errors = Vec::new();
-    for found in [&adaptive, &all, &plain] {
+    for found in methods_in_order {
         let shown = Picture::new(
             size[0] as usize,
             size[1] as usize,
@@ -128,18 +153,20 @@ fn scene(args: &EffectsArgs, name: &str) -> Result<Value> {
         let picture = Picture::new(width, map.len() / width, map)?;
         picture.write_png(&args.out.join(format!("{slug}-{}.png", layer.name)))?;
     }
-    let three = |of: &dyn Fn(usize) -> String| (0..3).map(of).collect::<Vec<_>>().join(" / ");
-    let rays = [&adaptive, &all, &plain].map(|f| f64::from(f.frame.rays.total()) * 1e-6);
+    let list = |of: &dyn Fn(usize) -> String| (0..4).map(of).collect::<Vec<_>>().join(" / ");
+    let seconds = methods_in_order.map(|f| f.seconds);
+    let rays = methods_in_order.map(|f| f64::from(f.frame.rays.total()));
     println!(
-        "| {slug} | {:.1} | {:.1} | {speed_up:.2} | {:.1} | {} | {} | {} |",
-        adaptive.seconds * 1e3,
-        all.seconds * 1e3,
-        plain.seconds * 1e3,
-        three(&|i| format!("{:.2}", rays[i])),
-        three(&|i| format!("{:.2}", errors[i].0)),
-        three(&|i| format!("{:.4}", errors[i].1)),
+        "| {slug} | {} | {:.2} | {} | {:.2} | {} | {} | {:.2} |",
+        list(&|i| format!("{:.1}", seconds[i] * 1e3)),
+        seconds[2] / seconds[0],
+        list(&|i| format!("{:.2}", rays[i] * 1e-6)),
+        rays[2] / rays[0],
+        list(&|i| format!("{:.2}", errors[i].0)),
+        list(&|i| format!("{:.4}", errors[i].1)),
+        errors[0].1 / errors[2].1,
     );
-    Ok(json!({ "scene": slug, "speed_up": speed_up, "methods": methods }))
+    Ok(json!({ "scene": slug, "methods": methods }))
 }
 
 fn view(picture: &Picture) -> Result<Image<'_>> {

@@ -1,0 +1,154 @@
+//! Whether effects converge to the path tracer as samples grow, and how fast.
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use glam::{Vec2, Vec3};
+use serde_json::{Value, json};
+use unframed_host::effects::care::Care;
+use unframed_host::effects::framed::indirect_alone;
+use unframed_host::effects::reference::reference;
+use unframed_host::scene::Scene;
+use unframed_host::scene::builtin::builtin;
+use unframed_host::trace::World;
+
+use crate::report::{Axis, Plot, Scale};
+
+/// Side of the pictures, pixels.
+const SIDE: u32 = 24;
+/// Paths a pixel of the reference: its own error lies below all that is plotted.
+const PATHS: u32 = 40_000;
+/// Samples a pixel, or paths from the lamps.
+const STEPS: [u32; 6] = [1, 4, 16, 64, 256, 1024];
+/// Lamps are dimmed by this, so that no sample is clamped.
+const DIMMED: f32 = 0.25;
+
+/// Errors by number of samples.
+struct Curve {
+    name: String,
+    points: Vec<(f64, f64)>,
+}
+
+impl Curve {
+    /// The slope of a straight line through all points, in a double logarithm.
+    fn slope(&self) -> f64 {
+        let logs = self.points.iter().map(|(n, e)| (n.ln(), e.ln()));
+        let n = self.points.len() as f64;
+        let (sx, sy) = logs.clone().fold((0.0, 0.0), |s, p| (s.0 + p.0, s.1 + p.1));
+        let (mx, my) = (sx / n, sy / n);
+        let (xy, xx) = logs.fold((0.0, 0.0), |s, (x, y)| {
+            (s.0 + (x - mx) * (y - my), s.1 + (x - mx).powi(2))
+        });
+        xy / xx
+    }
+}
+
+/// Measures, writes `convergence.svg` and gives the slopes.
+///
+/// # Errors
+/// A file cannot be written.
+pub(super) fn convergence(out: &Path) -> Result<Value> {
+    let mut curves = Vec::new();
+    for (name, scene) in [("soft shadows", "forest"), ("medium", "forest-mist")] {
+        let scene = dimmed(scene)?;
+        let truth = reference(&mut world(&scene)?, 0.0, PATHS);
+        for (points, pattern) in [("random", false), ("sequence", true)] {
+            let name = format!("{name}, {points}");
+            curves.push(looks(name, &scene, &truth, pattern)?);
+        }
+    }
+    curves.push(lights()?);
+    let mut plot = Plot::new(
+        "Error against the path tracer",
+        Axis::new("samples a pixel, or paths from the lamps", Scale::Log),
+        Axis::new("RMSE, of the mean", Scale::Log),
+    );
+    let mut slopes = serde_json::Map::new();
+    for curve in curves {
+        let slope = curve.slope();
+        println!("{}: slope {slope:.2}", curve.name);
+        slopes.insert(
+            curve.name.clone(),
+            json!({"slope": slope, "points": curve.points}),
+        );
+        plot = plot.line(format!("{} ({slope:.2})", curve.name), curve.points);
+    }
+    let path = out.join("convergence.svg");
+    std::fs::write(&path, plot.svg()?)
+        .with_context(|| format!("cannot write {}", path.display()))?;
+    Ok(Value::Object(slopes))
+}
+
+fn dimmed(name: &str) -> Result<Scene> {
+    let mut scene = builtin(name).context("a built-in scene")?;
+    scene
+        .materials
+        .iter_mut()
+        .for_each(|m| m.emissive *= DIMMED);
+    Ok(scene)
+}
+
+fn world(scene: &Scene) -> Result<World> {
+    Ok(World::new(scene.clone(), [SIDE; 2])?)
+}
+
+/// Frameless samples through pixel middles.
+fn looks(name: String, scene: &Scene, truth: &[Vec3], pattern: bool) -> Result<Curve> {
+    let world = world(scene)?;
+    let moment = world.moment(0.0);
+    let care = Care {
+        pattern,
+        ..Care::default()
+    };
+    let points = STEPS.map(|n| {
+        let found: Vec<Vec3> = (0..SIDE * SIDE)
+            .map(|i| {
+                let pixel = Vec2::new((i % SIDE) as f32, (i / SIDE) as f32) + 0.5;
+                let sum: Vec3 = (0..n)
+                    // Each pixel has a sequence of its own.
+                    .map(|k| moment.look_with(pixel, i << 16 | k, care).0.colour)
+                    .sum();
+                sum / n as f32
+            })
+            .collect();
+        (f64::from(n), error(&found, truth))
+    });
+    Ok(Curve {
+        name,
+        points: points.to_vec(),
+    })
+}
+
+/// Indirect light by ever more virtual lights, which grow ever stronger near by.
+fn lights() -> Result<Curve> {
+    let scene = dimmed("cornell")?;
+    let mut without = scene.clone();
+    without.indirect = false;
+    without.sky.ambient = Vec3::ZERO;
+    let [with, without] = [
+        reference(&mut world(&scene)?, 0.0, PATHS / 4),
+        reference(&mut world(&without)?, 0.0, PATHS / 4),
+    ];
+    let truth: Vec<Vec3> = with.iter().zip(&without).map(|(a, b)| *a - *b).collect();
+    let mut world = world(&scene)?;
+    let points = STEPS.map(|n| {
+        let paths = 16 * n;
+        let near = 0.3 * (128.0 / paths as f32).sqrt();
+        let found = indirect_alone(&mut world, 0.0, paths as usize, near);
+        (f64::from(paths), error(&found, &truth))
+    });
+    Ok(Curve {
+        name: "indirect diffuse".into(),
+        points: points.to_vec(),
+    })
+}
+
+/// Root of the mean squared difference over the mean, linear light.
+fn error(found: &[Vec3], truth: &[Vec3]) -> f64 {
+    let squares: f32 = (found.iter().zip(truth))
+        .map(|(a, b)| (*a - *b).length_squared())
+        .sum();
+    let mean: f32 = truth.iter().map(|light| light.element_sum()).sum();
+    let count = 3.0 * truth.len() as f64;
+    (f64::from(squares) / count).sqrt() / (f64::from(mean) / count)
+}

@@ -1,0 +1,253 @@
+//! Which points of lamps and media samples look at, and how many: adaptive interleaved sampling
+//! (Dubla et al. 2009) without frames.
+//!
+//! The **pattern** is each tile's own sequence of points, taken one after the other
+//! ([`crate::effects::care`]). The **guidance** is the spread of what rays of a tile brought, effect
+//! by effect: none in full light, in the umbra, in even haze; much in a penumbra. A sample that
+//! gives `k` rays to an effect costs `c + k` rays and errs by `v + w/k`, where `v` is the tile's
+//! squared error without the effect's noise and `w` the squared spread of one of its rays; for a
+//! given number of rays the error is least at k = √(w·c/v). The paper's guidance (Listings 2 to 4)
+//! goes by the share of rays that are blocked, which is the spread of a lamp that is seen or not.
+
+use glam::Vec3;
+
+use super::config::Config;
+use super::tiles::Tile;
+use crate::effects::care::{self, Care, Told};
+
+/// Rays that a sample costs beside those of the effect in question: to the surface, and to a lamp.
+const OTHERS: f32 = 2.0;
+/// Most rays of an effect in a sample (the paper's nine iterations, §4.2).
+const MOST: f32 = 9.0;
+/// Rays of the first samples of a tile, of which there are so many.
+const FIRST: u8 = 4;
+const KNOWN: f32 = 4.0;
+/// So many rays of a spread that is a guess count beside those that were seen.
+const PRIOR: f32 = 2.0;
+/// That guess, squared displayed levels.
+const PRIOR_SPREAD: f32 = 20.0 * 20.0;
+/// What was remembered is noisy too: the noise in a residual, over that of a sample.
+const REMEMBERED: f32 = 1.5;
+/// The least squared error of a tile without the noise of effects, displayed levels.
+const LEAST: f32 = 2.0 * 2.0;
+
+/// What a tile knows of its effects.
+#[derive(Clone, Copy, Debug, Default)]
+struct Spread {
+    /// Number, sum and sum of squares of what rays brought, by effect; the old discounted.
+    sums: Told,
+    /// Number of samples, the old ones discounted.
+    samples: f32,
+    /// Points of its sequence that were taken.
+    taken: u16,
+}
+
+/// Seed and care of a sample of a pattern, in 32 bits: cells have no room for more.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Points(u32);
+
+impl Points {
+    pub(super) fn new(seed: u32, care: Care) -> Self {
+        let rays = care
+            .rays
+            .into_iter()
+            .fold(0, |all, rays| all << 4 | u32::from(rays.min(15)));
+        Self(rays << care::FEW | (seed & ((1 << care::FEW) - 1)))
+    }
+
+    /// Both again.
+    pub(super) fn get(self) -> (u32, Care) {
+        let rays = [8, 4, 0].map(|shift| (self.0 >> (care::FEW + shift) & 15) as u8);
+        let seed = self.0 & ((1 << care::FEW) - 1);
+        let pattern = true;
+        (seed, Care { rays, pattern })
+    }
+}
+
+/// The pattern and the guidance of all tiles.
+#[derive(Clone, Debug)]
+pub(super) struct Guidance {
+    tiles: Vec<Spread>,
+    /// Which effects were ever met: of the others there is nothing to keep.
+    met: [bool; 3],
+}
+
+impl Guidance {
+    pub(super) fn new(tiles: usize) -> Self {
+        Self {
+            tiles: vec![Spread::default(); tiles],
+            met: [false; 3],
+        }
+    }
+
+    /// The seed of the next new sample of a tile, which takes `care`.
+    pub(super) fn seed(&mut self, tile: u32, care: Care) -> u32 {
+        let taken = &mut self.tiles[tile as usize].taken;
+        let seed = care::few(tile, *taken);
+        let most = care.rays.into_iter().max().unwrap_or(1);
+        *taken = taken.wrapping_add(u16::from(most));
+        seed
+    }
+
+    /// The care of a new sample of a tile. What is not called for takes no rays, whatever is
+    /// said here.
+    pub(super) fn care(&self, tile: u32, known: &Tile, config: &Config) -> Care {
+        let mut care = Care {
+            rays: [config.rays; 3],
+            pattern: config.pattern,
+        };
+        if !config.guidance || self.met == [false; 3] {
+            return care;
+        }
+        let told = &self.tiles[tile as usize].sums;
+        if self.tiles[tile as usize].samples < KNOWN {
+            care.rays = [FIRST; 3];
+            return care;
+        }
+        let slope = slope(known.mean());
+        let spreads: [f32; 3] = std::array::from_fn(|effect| {
+            if !self.met[effect] {
+                return 0.0;
+            }
+            let [count, sum, squares] = told.0[effect];
+            let squares = squares - sum * sum / count.max(1.0);
+            let variance = squares.max(0.0) * slope * slope;
+            (variance + PRIOR * PRIOR_SPREAD) / (count + PRIOR)
+        });
+        // The tile's error holds what is left of the noise of its effects.
+        let error = known.error(0.0, config).powi(2);
+        let samples = self.tiles[tile as usize].samples;
+        let noise = |(spread, sums): (f32, [f32; 3])| spread * samples / sums[0].max(samples);
+        let noise: f32 = spreads.into_iter().zip(told.0).map(noise).sum();
+        let rest = (error - REMEMBERED * noise).max(LEAST);
+        for (rays, spread) in care.rays.iter_mut().zip(spreads) {
+            *rays = (spread * OTHERS / rest).sqrt().round().clamp(1.0, MOST) as u8;
+        }
+        care
+    }
+
+    /// Rays that samples of a tile cost lately, relative to one ray for each effect; 1 where
+    /// nothing is guided. Of tiles with equal error the cheaper ones give more for the same rays:
+    /// n ∝ s/√cost.
+    pub(super) fn cost(&self, tile: usize) -> f32 {
+        let tile = &self.tiles[tile];
+        if tile.samples <= 0.5 {
+            return 1.0;
+        }
+        let rays: f32 = tile.sums.0.iter().map(|sums| sums[0]).sum();
+        ((OTHERS + rays / tile.samples) / OTHERS).sqrt()
+    }
+
+    /// Learns from a sample of a tile.
+    pub(super) fn learn(&mut self, tile: u32, told: &Told) {
+        if *told == Told::default() {
+            return;
+        }
+        for (met, told) in self.met.iter_mut().zip(told.0) {
+            *met |= told[0] > 0.0;
+        }
+        let tile = &mut self.tiles[tile as usize];
+        tile.samples += 1.0;
+        let sums = tile.sums.0.as_flattened_mut().iter_mut();
+        sums.zip(told.0.as_flattened())
+            .for_each(|(sum, told)| *sum += told);
+    }
+
+    /// Forgets a little.
+    pub(super) fn fade(&mut self, factor: f32) {
+        if self.met == [false; 3] {
+            return;
+        }
+        for tile in &mut self.tiles {
+            tile.samples *= factor;
+            let sums = tile.sums.0.as_flattened_mut().iter_mut();
+            sums.for_each(|sum| *sum *= factor);
+        }
+    }
+}
+
+/// Displayed levels (0..=255) for a unit of linear light around a displayed colour: the slope of
+/// the sRGB curve, about 255·x^(1/2.2).
+fn slope(colour: Option<Vec3>) -> f32 {
+    let level = colour.map_or(128.0, |c| c.dot(Vec3::new(0.2126, 0.7152, 0.0722)));
+    let shown = (level / 255.0).max(0.05);
+    255.0 / 2.2 * shown.powf(-1.2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_come_back_as_they_went() {
+        for (seed, rays) in [
+            (0, [1, 1, 1]),
+            (0xf_ffff, [9, 1, 15]),
+            (0x1_2345, [2, 9, 4]),
+        ] {
+            let care = Care {
+                rays,
+                pattern: true,
+            };
+            assert_eq!(Points::new(seed, care).get(), (seed, care));
+        }
+    }
+
+    /// A guidance that has seen `n` samples whose rays of soft shadows brought `light` in turn.
+    fn taught(n: usize, light: [f32; 2]) -> Guidance {
+        let mut guidance = Guidance::new(1);
+        for _ in 0..n {
+            let mut told = Told::default();
+            told.add(care::SOFT, &light);
+            guidance.learn(0, &told);
+        }
+        guidance
+    }
+
+    #[test]
+    fn rays_go_where_rays_disagree() {
+        let config = Config::default();
+        let tile = Tile {
+            samples: 50.0,
+            covered: 16.0,
+            residuals: [50.0, 50.0 * 15.0 * 15.0],
+            colour: Vec3::splat(50.0 * 128.0),
+        };
+        let rays = |light| taught(60, light).care(0, &tile, &config).rays;
+        assert_eq!(
+            rays([0.3, 0.3]),
+            [1; 3],
+            "all agree, and nothing else is called for"
+        );
+        let penumbra = rays([0.0, 0.3]);
+        assert!(penumbra[care::SOFT] >= 4, "{penumbra:?}");
+        assert_eq!(penumbra[care::MEDIUM], 1);
+        let unguided = Config {
+            guidance: false,
+            rays: 3,
+            ..config.clone()
+        };
+        assert_eq!(
+            taught(60, [0.0, 0.3]).care(0, &tile, &unguided).rays,
+            [3; 3]
+        );
+        // What is not known yet takes care.
+        assert_eq!(
+            taught(2, [0.3, 0.3]).care(0, &tile, &config).rays,
+            [FIRST; 3]
+        );
+    }
+
+    #[test]
+    fn a_tile_takes_its_points_one_after_the_other() {
+        let mut guidance = Guidance::new(2);
+        let care = Care {
+            rays: [1, 5, 2],
+            pattern: true,
+        };
+        let first = guidance.seed(1, care);
+        assert_eq!(guidance.seed(1, care), first + 5);
+        assert_eq!(guidance.seed(1, care), first + 10);
+        assert_ne!(guidance.seed(0, care), first);
+    }
+}
