@@ -37,7 +37,7 @@ pub fn ideal(world: &mut World, t: f64, n: u32) -> Vec<[u8; 3]> {
                     let place = Vec2::new(x as f32, y as f32) + at / n as f32;
                     // Points of one set in a pixel, another set in the next.
                     sum += moment
-                        .look_with(place, set | i * MOST as u32, CARE)
+                        .look_with(place, set | (i * MOST as u32), CARE)
                         .0
                         .colour;
                 }

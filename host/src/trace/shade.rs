@@ -14,6 +14,7 @@ use super::cone::{Cone, Footprint};
 use super::moment::{Moment, Struck};
 use super::pattern::pattern;
 use crate::effects::care::{Care, INDIRECT, MEDIUM, MOST, Points, Purpose, SOFT, Told};
+use crate::effects::medium::Stretch;
 use crate::scene::model::{MIRROR_ROUGHNESS, Material};
 
 /// Most bounces of a path.
@@ -135,12 +136,13 @@ impl<'a> Shader<'a> {
     }
 
     /// Irradiance/π from few virtual point lights for all.
+    #[inline(never)]
     fn indirect(&mut self, struck: &Struck, weight: Vec3) -> Vec3 {
         let rays = self.care.of(INDIRECT);
         let (mut sum, mut brought) = (Vec3::ZERO, [0.0; MOST]);
         for (i, brought) in brought[..rays].iter_mut().enumerate() {
             let point = self.points.next(Purpose::Light, i);
-            let light = self.from_vpl(struck, point);
+            let light = self.virtual_light(struck, point);
             *brought = luminance(light * weight);
             sum += light;
         }
@@ -149,7 +151,7 @@ impl<'a> Shader<'a> {
     }
 
     /// The same from one that two numbers in 0..1 choose.
-    fn from_vpl(&mut self, struck: &Struck, point: [f32; 2]) -> Vec3 {
+    fn virtual_light(&mut self, struck: &Struck, point: [f32; 2]) -> Vec3 {
         let vpls = &self.moment.world.vpls;
         let Some((towards, distance, light)) = vpls.choose(struck.place, struck.smooth, point)
         else {
@@ -222,17 +224,19 @@ impl<'a> Shader<'a> {
         let mut rays = 0;
         let mut sum = Vec3::ZERO;
         for i in 0..hard.len() {
-            sum += self.from_lamp(i, [0.5; 2], s, direction, response, weight, &mut rays);
+            sum += self.lamp_light(i, [0.5; 2], s, direction, response, weight, &mut rays);
         }
         self.rays.shadow += rays;
         if !soft.is_empty() {
-            sum += self.from_areas(s, direction, response, weight);
+            sum += self.area_light(s, direction, response, weight);
         }
         sum
     }
 
-    /// Light from area lights.
-    fn from_areas(
+    /// Light from area lights. Apart from the rest, so that scenes without them keep their path
+    /// short; as is all that only some scenes call for.
+    #[inline(never)]
+    fn area_light(
         &mut self,
         s: &Struck,
         direction: Vec3,
@@ -246,7 +250,7 @@ impl<'a> Shader<'a> {
         for lamp in world.first_area..world.lamps.len() {
             for (i, brought) in brought[..count].iter_mut().enumerate() {
                 let point = self.points.next(Purpose::Lamp(lamp), i);
-                let light = self.from_lamp(lamp, point, s, direction, response, weight, &mut rays);
+                let light = self.lamp_light(lamp, point, s, direction, response, weight, &mut rays);
                 *brought += luminance(light * weight);
                 sum += light;
             }
@@ -262,7 +266,7 @@ impl<'a> Shader<'a> {
         clippy::too_many_arguments,
         reason = "a place, a lamp and what joins them"
     )]
-    fn from_lamp(
+    fn lamp_light(
         &self,
         lamp: usize,
         point: [f32; 2],
@@ -399,6 +403,17 @@ impl<'a> Shader<'a> {
         let Some(inside) = medium.stretch(origin, direction, end) else {
             return light;
         };
+        light * medium.transmittance(inside.length())
+            + self.scattered(origin, direction, inside, weight)
+    }
+
+    /// Light that the medium throws towards `origin` from a stretch of a ray.
+    #[inline(never)]
+    fn scattered(&mut self, origin: Vec3, direction: Vec3, inside: Stretch, weight: Vec3) -> Vec3 {
+        let moment = self.moment;
+        let Some(medium) = moment.medium() else {
+            return Vec3::ZERO;
+        };
         let count = self.care.of(MEDIUM);
         let (mut sum, mut brought) = (Vec3::ZERO, [0.0; MOST]);
         for (i, brought) in brought[..count].iter_mut().enumerate() {
@@ -411,7 +426,7 @@ impl<'a> Shader<'a> {
             sum += thrown * metres;
         }
         self.told.add(MEDIUM, &brought[..count]);
-        light * medium.transmittance(inside.length()) + sum / count as f32
+        sum / count as f32
     }
 }
 

@@ -3,8 +3,8 @@
 //!
 //! The **pattern** is each tile's own sequence of points, taken one after the other
 //! ([`crate::effects::care`]). The **guidance** is the spread of what rays of a tile brought, effect
-//! by effect: none in full light, in the umbra, in even haze; much in a penumbra. A sample that
-//! gives `k` rays to an effect costs `c + k` rays and errs by `v + w/k`, where `v` is the tile's
+//! by effect: none in the umbra, little in the full light of a small lamp, much in a penumbra. A
+//! sample that gives `k` rays to an effect costs `c + k` rays and errs by `v + w/k`, where `v` is the tile's
 //! squared error without the effect's noise and `w` the squared spread of one of its rays; for a
 //! given number of rays the error is least at k = √(w·c/v). The paper's guidance (Listings 2 to 4)
 //! goes by the share of rays that are blocked, which is the spread of a lamp that is seen or not.
@@ -19,9 +19,11 @@ use crate::effects::care::{self, Care, Told};
 const OTHERS: f32 = 2.0;
 /// Most rays of an effect in a sample (the paper's nine iterations, §4.2).
 const MOST: f32 = 9.0;
-/// Rays of the first samples of a tile, of which there are so many.
-const FIRST: u8 = 4;
-const KNOWN: f32 = 4.0;
+/// Rays of each effect in the first samples of a tile: its error and their spread are not known
+/// yet, and few samples show all their noise.
+const FIRST: u8 = 6;
+/// So many samples, the old ones discounted, make a tile known.
+const KNOWN: f32 = 24.0;
 /// So many rays of a spread that is a guess count beside those that were seen.
 const PRIOR: f32 = 2.0;
 /// That guess, squared displayed levels.
@@ -96,7 +98,7 @@ impl Guidance {
             rays: [config.rays; 3],
             pattern: config.pattern,
         };
-        if !config.guidance || self.met == [false; 3] {
+        if !config.guidance {
             return care;
         }
         let told = &self.tiles[tile as usize].sums;
