@@ -112,6 +112,7 @@ fn turn(config: &mut Config, key: &str, number: f32) {
         "prior_weight" => config.prior_weight = number,
         "prior_hole" => config.prior_hole = number,
         "residual_floor" => config.residual_floor = number,
+        "recovery" => config.recovery = number,
         "lifetime_max" => config.lifetime_max = number,
         "lifetime_min" => config.lifetime_min = number,
         "balanced" => config.balanced = on,

@@ -85,9 +85,23 @@ pub struct Config {
     pub fill: bool,
     /// The quantity that is filtered.
     pub light: Light,
+    /// Whether pixels average what falls into them while all stands still ([`crate::rest`]).
+    pub rest: bool,
 }
 
 impl Config {
+    /// Whether planes are fitted.
+    #[must_use]
+    pub const fn planes(&self) -> bool {
+        matches!(self.fit, Fit::Linear)
+    }
+
+    /// Whether means are kept for what rests: only of what is filtered where it lies now.
+    #[must_use]
+    pub const fn averages(&self) -> bool {
+        self.rest && self.reproject && matches!(self.mode, Mode::SpaceTime)
+    }
+
     /// The default: everything that earns its cost.
     pub const ADAPTIVE: Self = Self {
         mode: Mode::SpaceTime,
@@ -99,11 +113,13 @@ impl Config {
         fit: Fit::Linear,
         fill: true,
         light: Light::Linear,
+        rest: true,
     };
 
     /// Traditional frameless display.
     pub const NEWEST: Self = Self {
         mode: Mode::Newest,
+        rest: false,
         ..Self::ADAPTIVE
     };
 
@@ -114,6 +130,7 @@ impl Config {
         lifetime: Lifetime::Constant(-512),
         kernel: TimeKernel::Gaussian,
         fit: Fit::Constant,
+        rest: false,
         ..Self::ADAPTIVE
     };
 
@@ -124,6 +141,7 @@ impl Config {
         lifetime: Lifetime::Gradient,
         kernel: TimeKernel::Gaussian,
         fit: Fit::Constant,
+        rest: false,
         ..Self::ADAPTIVE
     };
 }

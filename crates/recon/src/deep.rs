@@ -56,6 +56,7 @@ pub struct DeepBuffer<'a> {
     samples: &'a mut [Stored],
     next: usize,
     len: usize,
+    fresh: usize,
 }
 
 impl<'a> DeepBuffer<'a> {
@@ -65,6 +66,7 @@ impl<'a> DeepBuffer<'a> {
             samples: storage,
             next: 0,
             len: 0,
+            fresh: 0,
         }
     }
 
@@ -86,6 +88,7 @@ impl<'a> DeepBuffer<'a> {
         if let Some(place) = self.samples.get_mut(self.next) {
             *place = sample;
             self.next += 1;
+            self.fresh = self.samples.len().min(self.fresh + 1);
             self.len = self.len.max(self.next);
             if self.next == self.samples.len() {
                 self.next = 0;
@@ -97,6 +100,19 @@ impl<'a> DeepBuffer<'a> {
     pub fn clear(&mut self) {
         self.next = 0;
         self.len = 0;
+        self.fresh = 0;
+    }
+
+    /// The newest samples, `most` at most, that were stored since this was last asked; in two
+    /// parts, as the ring has an end.
+    pub fn take_fresh(&mut self, most: usize) -> [&[Stored]; 2] {
+        let count = core::mem::take(&mut self.fresh).min(most);
+        let early = count.saturating_sub(self.next);
+        let (before, end) = (self.next + early - count, self.samples.len());
+        [
+            self.samples.get(end - early..).unwrap_or(&[]),
+            self.samples.get(before..self.next).unwrap_or(&[]),
+        ]
     }
 
     /// The stored samples, in no order.
@@ -143,6 +159,41 @@ mod tests {
         let mut times: std::vec::Vec<_> = ring.samples().iter().map(|s| s.time).collect();
         times.sort_unstable();
         assert_eq!(times, [2, 3, 4]);
+    }
+
+    #[test]
+    fn fresh_samples_are_those_since_the_last_look() {
+        for (stored, most) in [
+            (0, 9),
+            (1, 9),
+            (2, 9),
+            (3, 9),
+            (4, 9),
+            (7, 9),
+            (7, 2),
+            (7, 0),
+        ] {
+            for offset in 0..4u32 {
+                let mut storage = [Stored::default(); 4];
+                let mut ring = DeepBuffer::new(&mut storage);
+                let sample = |time| Stored {
+                    time,
+                    ..Stored::EMPTY
+                };
+                (0..offset).for_each(|_| ring.push(sample(99)));
+                let _ = ring.take_fresh(9);
+                (0..stored).for_each(|time| ring.push(sample(time)));
+                let times: std::vec::Vec<_> = ring
+                    .take_fresh(most)
+                    .iter()
+                    .flat_map(|part| part.iter().map(|sample| sample.time))
+                    .collect();
+                let expected: std::vec::Vec<_> =
+                    (stored - stored.min(4).min(most as u32)..stored).collect();
+                assert_eq!(times, expected, "{stored} {most} {offset}");
+                assert!(ring.take_fresh(9).iter().all(|part| part.is_empty()));
+            }
+        }
     }
 
     #[test]

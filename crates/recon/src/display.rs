@@ -4,27 +4,17 @@
 //! counted and left out.
 
 use crate::arith::{Arith, Moments, Panel, Projected, Sums};
-use crate::config::{Config, Fit, Mode};
+use crate::config::{Config, Mode};
 use crate::deep::{DeepBuffer, Placing, Stored, slot};
 use crate::memory::{Memory, SetupError, Slot};
 use crate::motion::{Motion, Reach};
+use crate::rest::{self, Mean, Rest, Step};
 use crate::tiles::TileMap;
 use crate::transform::{pose_is_sound, view_is_sound};
 use crate::workers::{Alone, Workers};
 use crate::{fill, hidden};
 use unframed_wire::{
     Hello, Layout, Packet, Pose, Refresh, ScreenSample, Tick, Tile, View, WorldSample,
-};
-
-/// 8-bit codes as they are, spread over 16 bits.
-pub static ENCODED: [u16; 256] = {
-    let mut table = [0; 256];
-    let mut c = 0;
-    while c < 256 {
-        table[c] = c as u16 * 257;
-        c += 1;
-    }
-    table
 };
 
 /// Stands in before the first View: nothing can be placed then.
@@ -68,12 +58,16 @@ pub struct Display<'a, A: Arith, W: Workers = Alone> {
     pub(crate) moments: &'a mut [Moments<A>],
     pub(crate) texels: &'a mut [crate::arith::Texel<A>],
     pyramid: &'a mut [crate::arith::Texel<A>],
+    pub(crate) means: &'a mut [Mean],
     pub(crate) slots: &'a mut [Slot<A>],
     pub(crate) picture: &'a mut [[u8; 3]],
     hello: Option<Hello>,
     view: Option<View>,
     composed: bool,
     motion: Motion,
+    rest: Rest,
+    /// Whether a mean may hold something.
+    averaged: bool,
     counts: Counts,
 }
 
@@ -105,8 +99,7 @@ impl<'a, A: Arith, W: Workers> Display<'a, A, W> {
         memory: Memory<'a, A>,
     ) -> Result<Self, SetupError> {
         let panel = Panel::new(width, height).ok_or(SetupError::Panel)?;
-        let planes = config.fit == Fit::Linear;
-        memory.check(width, height, planes)?;
+        memory.check(width, height, &config)?;
         let pixels = panel.pixels();
         let cells = memory.cells.len();
         let tiles = TileMap::new(memory.cells, width, height).ok_or(SetupError::Short {
@@ -116,7 +109,9 @@ impl<'a, A: Arith, W: Workers> Display<'a, A, W> {
         })?;
         memory.slots.fill(Slot::default());
         memory.picture.fill([0; 3]);
-        let moments = if planes { pixels } else { 0 };
+        memory.means.fill(Mean::EMPTY);
+        let moments = if config.planes() { pixels } else { 0 };
+        let means = if config.averages() { pixels } else { 0 };
         Ok(Self {
             config,
             workers,
@@ -135,12 +130,15 @@ impl<'a, A: Arith, W: Workers> Display<'a, A, W> {
             moments: &mut memory.moments[..moments],
             texels: &mut memory.texels[..pixels],
             pyramid: memory.pyramid,
+            means: &mut memory.means[..means],
             slots: memory.slots,
             picture: &mut memory.picture[..pixels],
             hello: None,
             view: None,
             composed: false,
             motion: Motion::new(),
+            rest: Rest::new(),
+            averaged: false,
             counts: Counts::default(),
         })
     }
@@ -248,6 +246,7 @@ impl<'a, A: Arith, W: Workers> Display<'a, A, W> {
     pub fn cut(&mut self) {
         self.deep.clear();
         self.motion.clear();
+        self.rest = Rest::new();
     }
 
     /// Takes a sample that can be reprojected, taken at `time`.
@@ -351,16 +350,40 @@ impl<'a, A: Arith, W: Workers> Display<'a, A, W> {
             return;
         }
         self.compose();
+        let step = self.step(refresh.time);
         if let Some(view) = &self.view {
             self.motion.refresh(refresh.time, view, self.slots);
         }
-        let reach = self.reach();
-        self.filter(refresh.time, &reach);
-        if self.config.fill {
-            let (width, height) = (self.panel.width.into(), self.panel.height.into());
-            fill::fill(width, height, self.texels, self.pyramid, &self.workers);
+        if step != Step::Average {
+            let reach = self.reach();
+            self.filter(refresh.time, &reach);
+            if self.config.fill {
+                let (width, height) = (self.panel.width.into(), self.panel.height.into());
+                fill::fill(width, height, self.texels, self.pyramid, &self.workers);
+            }
+            self.encode();
         }
-        self.encode();
+    }
+
+    /// What is to be done, and the means brought up to date.
+    fn step(&mut self, now: Tick) -> Step {
+        let (Some(view), false) = (&self.view, self.means.is_empty()) else {
+            return Step::Filter;
+        };
+        let quiet = self.tiles.rests();
+        let step = self.rest.step(now, view, self.slots, quiet);
+        if step == Step::Filter {
+            if self.averaged {
+                self.means.fill(Mean::EMPTY);
+                self.averaged = false;
+            }
+            self.deep.take_fresh(0);
+            return step;
+        }
+        self.averaged = true;
+        rest::prepare(&self.panel, &self.tiles, quiet, self.means);
+        self.average(now, quiet, step == Step::Average);
+        step
     }
 
     /// How far occlusion could reach at the last refresh.

@@ -3,6 +3,7 @@
 use crate::arith::{Arith, Moments, Projected, Sums, Texel};
 use crate::deep::Stored;
 use crate::memory::{Memory, Needs, Slot};
+use crate::rest::Mean;
 use crate::tiles::Cell;
 use crate::workers::MAX_PARTS;
 use alloc::vec;
@@ -24,6 +25,7 @@ pub struct HeapStorage<A: Arith> {
     moments: Vec<Moments<A>>,
     texels: Vec<Texel<A>>,
     pyramid: Vec<Texel<A>>,
+    means: Vec<Mean>,
     cells: Vec<Cell>,
     slots: Vec<Slot<A>>,
     picture: Vec<[u8; 3]>,
@@ -48,6 +50,7 @@ impl<A: Arith> HeapStorage<A> {
             moments: vec![Moments::<A>::default(); needs.pixels],
             texels: vec![Texel::default(); needs.pixels],
             pyramid: vec![Texel::default(); needs.pyramid],
+            means: vec![Mean::default(); needs.pixels],
             cells: vec![Cell::default(); needs.cells],
             slots: vec![Slot::default(); 256],
             picture: vec![[0; 3]; needs.pixels],
@@ -70,6 +73,7 @@ impl<A: Arith> HeapStorage<A> {
             moments: &mut self.moments,
             texels: &mut self.texels,
             pyramid: &mut self.pyramid,
+            means: &mut self.means,
             cells: &mut self.cells,
             slots: &mut self.slots,
             picture: &mut self.picture,

@@ -11,7 +11,8 @@
 //! | what arithmetic is, in integers and in floats | [`arith`], [`fixed`], `float` |
 //! | what is kept | [`deep`], [`tiles`], [`memory`], `heap` |
 //! | who works on which samples and pixels | [`bins`], [`workers`] |
-//! | the steps of a refresh | [`transform`], [`project`], [`motion`], [`hidden`], [`extents`], [`splat`], [`solve`], [`fill`] |
+//! | the steps of a refresh | [`transform`], [`project`], [`motion`], [`hidden`], [`extents`], [`splat`], [`solve`], [`fill`], [`encode`] |
+//! | what replaces them when nothing moves | [`rest`] |
 //! | all together | [`config`], [`display`], [`player`], [`scanout`] |
 //! | to compare arithmetics | `decisions` |
 //!
@@ -31,6 +32,7 @@ pub mod config;
 pub mod decisions;
 pub mod deep;
 pub mod display;
+pub mod encode;
 pub mod extents;
 pub mod fill;
 pub mod fixed;
@@ -46,6 +48,7 @@ pub mod num;
 mod picture;
 pub mod player;
 pub mod project;
+pub mod rest;
 pub mod scanout;
 pub mod solve;
 pub mod splat;

@@ -10,15 +10,18 @@
 //! | movers, masses and widths | 7 W H |
 //! | sums | 32 W H, and 96 W H more for planes |
 //! | texels with their pyramid | 8 · 4/3 W H |
+//! | means at rest | 16 W H |
 //! | picture | 3 W H |
 //! | tile map | 5 W H / 16 |
 //! | poses and their transforms | 232 O |
 
 use crate::arith::{Arith, Moments, Panel, Projected, Sums, Texel};
 use crate::bins::Grid;
+use crate::config::Config;
 use crate::deep::Stored;
 use crate::fill::pyramid_len;
 use crate::hidden::minima_len;
+use crate::rest::Mean;
 use crate::tiles::{Cell, cells_along};
 use unframed_wire::Pose;
 
@@ -46,7 +49,8 @@ impl<A: Arith> Default for Slot<A> {
 /// How long each slice of a [`Memory`] must be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Needs {
-    /// W·H: limits, movers, mass, widths, sums, texels, picture; moments where planes are fitted.
+    /// W·H: limits, movers, mass, widths, sums, texels, picture; moments where planes are fitted,
+    /// means where what rests is averaged.
     pub pixels: usize,
     /// Levels of minima.
     pub minima: usize,
@@ -103,6 +107,8 @@ pub struct Memory<'a, A: Arith> {
     pub texels: &'a mut [Texel<A>],
     /// See [`Needs::pyramid`].
     pub pyramid: &'a mut [Texel<A>],
+    /// See [`Needs::pixels`]; empty where nothing is averaged at rest.
+    pub means: &'a mut [Mean],
     /// See [`Needs::cells`].
     pub cells: &'a mut [Cell],
     /// The sky's and as many objects' as are to be known, at most 256.
@@ -154,7 +160,7 @@ impl<A: Arith> Memory<'_, A> {
     ///
     /// # Errors
     /// Names the first slice that is too short.
-    pub fn check(&self, width: u16, height: u16, planes: bool) -> Result<(), SetupError> {
+    pub fn check(&self, width: u16, height: u16, config: &Config) -> Result<(), SetupError> {
         let needs = Needs::of(width, height);
         let sorted = if self.sorted.is_empty() {
             0
@@ -177,11 +183,16 @@ impl<A: Arith> Memory<'_, A> {
             ("sums", needs.pixels, self.sums.len()),
             (
                 "moments",
-                if planes { needs.pixels } else { 0 },
+                if config.planes() { needs.pixels } else { 0 },
                 self.moments.len(),
             ),
             ("texels", needs.pixels, self.texels.len()),
             ("pyramid", needs.pyramid, self.pyramid.len()),
+            (
+                "means",
+                if config.averages() { needs.pixels } else { 0 },
+                self.means.len(),
+            ),
             ("cells", needs.cells, self.cells.len()),
             ("slots", 2, self.slots.len()),
             ("picture", needs.pixels, self.picture.len()),
@@ -223,6 +234,7 @@ pub struct Storage<
     moments: [Moments<A>; L],
     texels: [Texel<A>; P],
     pyramid: [Texel<A>; Y],
+    means: [Mean; P],
     cells: [Cell; C],
     slots: [Slot<A>; O],
     picture: [[u8; 3]; P],
@@ -255,6 +267,7 @@ impl<
             moments: &mut self.moments,
             texels: &mut self.texels,
             pyramid: &mut self.pyramid,
+            means: &mut self.means,
             cells: &mut self.cells,
             slots: &mut self.slots,
             picture: &mut self.picture,
@@ -305,6 +318,7 @@ macro_rules! empty_storage {
                     moments: [[$zero; 12]; L],
                     texels: [texel; P],
                     pyramid: [texel; Y],
+                    means: [Mean::EMPTY; P],
                     cells: [Cell::ZERO; C],
                     slots: [Slot {
                         pose: None,

@@ -2,12 +2,11 @@
 
 use crate::arith::Arith;
 use crate::bins::{self, Grid, Runs};
-use crate::config::{Extents, Fit, Light};
-use crate::display::{Display, ENCODED};
+use crate::config::Extents;
+use crate::display::Display;
 use crate::motion::Reach;
 use crate::project::Instant;
 use crate::splat::{Filter, Target, Widths};
-use crate::tables::{SRGB_TO_LINEAR, even_to_code, linear_to_srgb};
 use crate::workers::{MAX_PARTS, Parts, Workers, take};
 use crate::{hidden, solve, splat};
 use core::ops::Range;
@@ -153,12 +152,9 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
                 Extents::Density => Widths::Map(self.widths),
                 _ => Widths::Own,
             },
-            light: match config.light {
-                Light::Linear => &SRGB_TO_LINEAR,
-                Light::Encoded => &ENCODED,
-            },
+            light: config.light.table(),
         };
-        let planes = config.fit == Fit::Linear;
+        let planes = config.planes();
         let (mut sums, mut moments) = (&mut *self.sums, &mut *self.moments);
         let mut texels = &mut *self.texels;
         let work = bands().map(|band| {
@@ -177,30 +173,6 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
                 solve::planes(width, band.lines.start, sums, moments, texels);
             } else {
                 solve::means::<A>(target.sums, texels);
-            }
-        });
-    }
-
-    /// Light to the panel's codes. Pixels of which nothing is known keep what they show.
-    pub(crate) fn encode(&mut self) {
-        let light = self.config.light;
-        let share = self.texels.len().div_ceil(self.workers.parts()).max(1);
-        let work = self
-            .texels
-            .chunks(share)
-            .zip(self.picture.chunks_mut(share));
-        Parts::new(work).each(&self.workers, |(texels, picture)| {
-            for (texel, pixel) in texels.iter().zip(&mut **picture) {
-                if texel.confidence == A::Confidence::default() {
-                    continue;
-                }
-                *pixel = texel.light.map(|v| {
-                    let code = A::to_u16(v);
-                    match light {
-                        Light::Linear => linear_to_srgb(code),
-                        Light::Encoded => even_to_code(code),
-                    }
-                });
             }
         });
     }

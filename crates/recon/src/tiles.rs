@@ -10,6 +10,9 @@ pub const CELL_BITS: u32 = 2;
 /// Side of a cell, pixels.
 pub const CELL: usize = 1 << CELL_BITS;
 
+/// The lifetime of a tile in which nothing changes: infinity.
+pub const RESTS: LogCode = LogCode(255);
+
 /// What is known of one cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cell {
@@ -106,6 +109,19 @@ impl<'a> TileMap<'a> {
                 cells.fill(cell);
             }
         }
+    }
+
+    /// Whether nothing changes in any tile.
+    #[must_use]
+    pub fn rests(&self) -> bool {
+        self.cells.iter().all(|cell| cell.lifetime == RESTS)
+    }
+
+    /// Whether nothing changes in the tile of a pixel.
+    #[inline]
+    #[must_use]
+    pub fn rests_at(&self, x: i32, y: i32) -> bool {
+        self.at(x >> CELL_BITS, y >> CELL_BITS).lifetime == RESTS
     }
 
     /// The cell at a column and row, clamped to the map.

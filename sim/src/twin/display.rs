@@ -13,6 +13,7 @@ use unframed_recon::deep::{Placing, Stored, slot};
 use unframed_recon::display::Counts;
 use unframed_recon::memory::Slot;
 use unframed_recon::motion::{Motion, Reach};
+use unframed_recon::rest::{Rest, Step};
 use unframed_recon::tiles::{Cell, TileMap};
 use unframed_recon::transform::{pose_is_sound, view_is_sound};
 use unframed_recon::{Arith, Fixed, Panel};
@@ -26,27 +27,31 @@ const SLOTS: usize = 256;
 /// Invariant: `pending` holds what `samples` still lacks, at most [`PENDING`] samples, all under
 /// the view and poses of now.
 pub(super) struct GpuDisplay<'g> {
-    gpu: &'g Gpu,
-    config: Config,
-    panel: Panel,
-    params: Params,
-    stages: Stages,
+    pub(super) gpu: &'g Gpu,
+    pub(super) config: Config,
+    pub(super) panel: Panel,
+    pub(super) params: Params,
+    pub(super) stages: Stages,
     pub(super) memory: Memory,
-    cells: Vec<Cell>,
+    pub(super) cells: Vec<Cell>,
     cells_changed: bool,
-    slots: Vec<Slot<Fixed>>,
-    motion: Motion,
+    pub(super) slots: Vec<Slot<Fixed>>,
+    pub(super) motion: Motion,
+    pub(super) rest: Rest,
+    pub(super) averaged: bool,
     transforms_changed: bool,
     pending: Vec<[u32; 4]>,
     /// Next and length of the ring as the processor knows them: exact where samples are
     /// reprojected, an upper bound of the length where the adapter places them.
-    next: usize,
+    pub(super) next: usize,
     len: usize,
+    /// Samples stored since the last refresh, the newest in the ring.
+    pub(super) fresh: usize,
     /// Samples placed by the adapter since its counts were read.
     uncounted: usize,
     picture: Vec<[u8; 3]>,
     hello: Option<Hello>,
-    view: Option<View>,
+    pub(super) view: Option<View>,
     counts: Counts,
 }
 
@@ -88,10 +93,13 @@ impl<'g> GpuDisplay<'g> {
             cells_changed: true,
             slots: vec![Slot::default(); SLOTS],
             motion: Motion::new(),
+            rest: Rest::new(),
+            averaged: false,
             transforms_changed: true,
             pending: Vec::new(),
             next: 0,
             len: 0,
+            fresh: 0,
             uncounted: 0,
             picture: vec![[0; 3]; panel.pixels()],
             hello: None,
@@ -223,8 +231,9 @@ impl<'g> GpuDisplay<'g> {
     fn cut(&mut self) -> Result<(), GpuError> {
         self.settle()?;
         self.pending.clear();
-        (self.next, self.len) = (0, 0);
+        (self.next, self.len, self.fresh) = (0, 0, 0);
         self.motion.clear();
+        self.rest = Rest::new();
         self.memory.ring.write(self.gpu, 0, &[0, 0])
     }
 
@@ -289,6 +298,7 @@ impl<'g> GpuDisplay<'g> {
         samples.write(self.gpu, 0, bytemuck::cast_slice(rest))?;
         self.next = (first + kept.len()) % capacity;
         self.len = (self.len + self.pending.len()).min(capacity);
+        self.fresh = (self.fresh + self.pending.len()).min(capacity);
         let ring = [self.next as u32, self.len as u32];
         self.memory.ring.write(self.gpu, 0, &ring)?;
         // Written data waits in memory until something is submitted.
@@ -392,8 +402,14 @@ impl<'g> GpuDisplay<'g> {
         }
         if self.config.mode == Mode::SpaceTime {
             self.compose()?;
+            self.tell(refresh.time)?;
+            let step = self.step(refresh.time)?;
             self.reach(refresh.time)?;
-            self.filter(refresh.time)?;
+            if step == Step::Average {
+                self.show()?;
+            } else {
+                self.filter()?;
+            }
         }
         let words = self.memory.picture.read(self.gpu)?;
         for (pixel, word) in self.picture.iter_mut().zip(words) {
@@ -420,12 +436,9 @@ impl<'g> GpuDisplay<'g> {
         self.memory.reach.write(self.gpu, 0, &words)
     }
 
-    /// Makes the picture of an instant from the deep buffer.
-    fn filter(&mut self, now: Tick) -> Result<(), GpuError> {
+    /// Tells the adapter the instant and the tiles.
+    fn tell(&mut self, now: Tick) -> Result<(), GpuError> {
         let (gpu, memory) = (self.gpu, &self.memory);
-        let Some(stages) = &self.stages.refreshing else {
-            return Ok(());
-        };
         self.params.now = now.0;
         let words = bytemuck::cast_slice(std::slice::from_ref(&self.params));
         memory.params.write(gpu, 0, words)?;
@@ -434,6 +447,15 @@ impl<'g> GpuDisplay<'g> {
             memory.cells.write(gpu, 0, bytemuck::cast_slice(&words))?;
             self.cells_changed = false;
         }
+        Ok(())
+    }
+
+    /// Makes the picture from the deep buffer.
+    fn filter(&mut self) -> Result<(), GpuError> {
+        let (gpu, memory) = (self.gpu, &self.memory);
+        let Some(stages) = &self.stages.refreshing else {
+            return Ok(());
+        };
         let mut batch = Batch::new(gpu);
         memory.round.write(gpu, 0, &[0])?;
         refresh::arrange(&mut batch, stages, &self.stages.scan, memory, self.len)?;

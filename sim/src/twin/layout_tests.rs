@@ -3,15 +3,17 @@
 
 use std::mem::{offset_of, size_of};
 
-use super::params::{self, Level, Params, Transform};
+use super::params::{self, Fresh, Level, Params, Transform};
 use super::stages::{
-    ALL, BLOCK, DROP_HIDDEN, GATHER_MEANS, GROUP, LOOK, PROJECT, PULL, SCAN_ADD, Source,
+    ALL, AVERAGE, BLOCK, DROP_HIDDEN, GATHER_MEANS, GROUP, LOOK, PROJECT, PULL, SCAN_ADD, Source,
 };
 use super::tables::{DISTANCES, Tables};
 use unframed_recon::deep::{Placing, Stored, slot};
 use unframed_recon::motion::{BUCKET_BITS, BUCKETS};
+use unframed_recon::rest;
 use unframed_recon::tables::TIME_LEN;
 use unframed_recon::taps;
+use unframed_recon::tiles::{CELL_BITS, RESTS};
 
 fn module(source: &Source) -> naga::Module {
     let text = source.whole().join("\n");
@@ -66,9 +68,11 @@ fn structs_lie_as_the_shaders_read_them() {
             width_log,
             hidden,
             encoded,
+            averages,
             padding
         ]
     );
+    same_layout!(&AVERAGE, Fresh, [first, count, padding]);
     same_layout!(
         &PROJECT,
         Tables,
@@ -120,6 +124,10 @@ fn constants_are_the_shaders() {
     assert_eq!(constant(&DROP_HIDDEN, "BUCKETS") as usize, BUCKETS);
     assert_eq!(constant(&DROP_HIDDEN, "BUCKET_BITS"), BUCKET_BITS);
     assert_eq!(constant(&PROJECT, "STATIC_SLOT"), u32::from(slot(0)));
+    assert_eq!(constant(&AVERAGE, "FULL"), rest::FULL);
+    assert_eq!(constant(&AVERAGE, "PRIOR"), rest::PRIOR);
+    assert_eq!(constant(&AVERAGE, "RESTS"), u32::from(RESTS.0));
+    assert_eq!(constant(&AVERAGE, "MAP_BITS"), CELL_BITS);
     assert_eq!(constant(&PROJECT, "TIME_CHORDS") as usize + 1, TIME_LEN);
     assert_eq!(constant(&GATHER_MEANS, "LEAST") as i32, taps::LEAST);
     assert_eq!(constant(&GATHER_MEANS, "MOST") as i32, taps::MOST);

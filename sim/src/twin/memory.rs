@@ -21,6 +21,7 @@ pub(crate) const PROJECTED: usize = 3;
 pub(crate) const SUMS: usize = 8;
 pub(crate) const MOMENTS: usize = 22;
 pub(crate) const TEXEL: usize = 2;
+pub(crate) const MEAN: usize = 4;
 
 /// A level's place in its pyramid, and the uniform that tells a stage.
 #[derive(Debug)]
@@ -76,6 +77,10 @@ pub(crate) struct Memory {
     pub(crate) texels: Words,
     pub(crate) texel_steps: Vec<Step>,
     pub(crate) picture: Words,
+    /// 4 words a pixel.
+    pub(crate) means: Words,
+    /// Which samples are new, as a uniform.
+    pub(crate) fresh: Words,
     /// How many samples just arrived, as a uniform.
     pub(crate) arrived: Words,
     pub(crate) pending: Words,
@@ -145,6 +150,8 @@ impl Memory {
             texels: of("texels", filters, texels, TEXEL)?,
             texel_steps: steps(gpu, texel_levels(panel))?,
             picture: of("picture", true, pixels, 1)?,
+            means: of("means", config.averages(), pixels, MEAN)?,
+            fresh: of("fresh", true, 4, 1)?,
             arrived: of("arrived", true, 4, 1)?,
             pending: of("pending", arrives, PENDING, STORED)?,
             placed: of("placed", arrives, PENDING, 1)?,

@@ -8,7 +8,8 @@
 //! | `refresh` | `Display::refresh` | `project`, then |
 //! | | `hidden`, `motion` | `far`, `nearest`, `coarser`, `limits`, `mark_movers`, `drop_hidden` |
 //! | | `splat` | `scan_*`, `sort`, `masses`, `widths`, `gather` |
-//! | | `solve`, `fill`, `Display::encode` | `means` or `planes`, `pull`, `push`, `encode` |
+//! | | `solve`, `fill`, `encode` | `means` or `planes`, `pull`, `push`, `encode` |
+//! | `rest` | `rest` | `rest`, `average`; `mean` |
 //! | `tables`, `params`, `memory`, `stages` | `tables`, `memory` | `common`, `num`, `fixed`, `texel`, `level` |
 //!
 //! Packets, tiles, the composition of view and poses and the ways they travelled (a few objects a
@@ -29,6 +30,7 @@ mod memory;
 mod params;
 mod probe;
 mod refresh;
+mod rest;
 mod stages;
 mod tables;
 

@@ -25,7 +25,8 @@ pub(crate) struct Params {
     pub(crate) width_log: i32,
     pub(crate) hidden: u32,
     pub(crate) encoded: u32,
-    pub(crate) padding: [u32; 2],
+    pub(crate) averages: u32,
+    pub(crate) padding: u32,
 }
 
 impl Params {
@@ -57,9 +58,20 @@ impl Params {
             width_log,
             hidden: config.hidden.into(),
             encoded: (config.light == Light::Encoded).into(),
-            padding: [0; 2],
+            averages: config.averages().into(),
+            padding: 0,
         }
     }
+}
+
+/// The new samples of a refresh in the ring, twin of `Fresh` in `average.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Fresh {
+    /// Index of the first.
+    pub(crate) first: u32,
+    pub(crate) count: u32,
+    pub(crate) padding: [u32; 2],
 }
 
 /// View and pose composed, of one slot; twin of `Transform` in `fixed.wgsl`.

@@ -25,6 +25,8 @@ pub enum Probe {
     Sums,
     /// 22 words a pixel: 11 moments of 64 bits, low half first.
     Moments,
+    /// 4 words a pixel: `unframed_recon::rest::Mean`.
+    Means,
     /// 2 words a texel of the picture and of each coarser level, two 16-bit values each: red and
     /// green, blue and confidence.
     Texels,
@@ -42,6 +44,7 @@ impl Memory {
             Probe::Widths => &self.widths,
             Probe::Sums => &self.sums,
             Probe::Moments => &self.moments,
+            Probe::Means => &self.means,
             Probe::Texels => &self.texels,
         }
     }

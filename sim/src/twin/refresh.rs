@@ -1,7 +1,7 @@
 //! A refresh as a list of stages. Twin of `unframed_recon::Display::refresh`.
 
 use super::memory::Memory;
-use super::stages::{BLOCK, Density, Fill, GROUP, Hidden, Refreshing, Scan, Varying};
+use super::stages::{BLOCK, Density, Fill, GROUP, Hidden, Refreshing, Rest, Scan, Varying};
 use crate::gpu::GpuError;
 use crate::pass::{Batch, Stage, Words, linear_grid};
 
@@ -118,7 +118,32 @@ pub(super) fn show(
             r.run(push, &[&step.uniform, &m.texels], step.fine())?;
         }
     }
-    r.run(&stages.encode, &[&m.texels, &m.picture], pixels)
+    encode(batch, stages, memory)
+}
+
+/// Appends what shows filtered and averaged light.
+pub(super) fn encode(
+    batch: &mut Batch<'_>,
+    stages: &Refreshing,
+    memory: &Memory,
+) -> Result<(), GpuError> {
+    let m = memory;
+    let buffers = [&m.texels, &m.picture, &m.means];
+    Recorder { batch, memory }.run(&stages.encode, &buffers, m.picture.len())
+}
+
+/// Appends what averages `count` new samples, those that the uniform tells.
+pub(super) fn average(
+    batch: &mut Batch<'_>,
+    stages: &Rest,
+    memory: &Memory,
+    count: usize,
+) -> Result<(), GpuError> {
+    let m = memory;
+    let mut recorder = Recorder { batch, memory };
+    recorder.run(&stages.rest, &[&m.cells, &m.means], m.picture.len())?;
+    let buffers = [&m.fresh, &m.samples, &m.transforms, &m.cells, &m.means];
+    recorder.run(&stages.average, &buffers, count)
 }
 
 /// The depth beyond which each pixel is hidden.

@@ -98,7 +98,16 @@ source!(MEANS, [TEXEL, file!("means")], [Read, Write]);
 source!(PLANES, [TEXEL, file!("planes")], [Read, Read, Write]);
 source!(PULL, [TEXEL, LEVEL, file!("pull")], [Uniform, Write]);
 source!(PUSH, [TEXEL, LEVEL, file!("push")], [Uniform, Write]);
-source!(ENCODE, [TEXEL, file!("encode")], [Read, Write]);
+/// What [`REST`], [`AVERAGE`] and [`ENCODE`] know of a mean.
+const MEAN: &str = file!("mean");
+
+source!(REST, [MEAN, file!("rest")], [Read, Write]);
+source!(
+    AVERAGE,
+    [MEAN, file!("average")],
+    [Uniform, Read, Read, Read, Write]
+);
+source!(ENCODE, [TEXEL, MEAN, file!("encode")], [Read, Write, Read]);
 source!(PLACE, [file!("place")], [Uniform, Write, Read, Write]);
 source!(
     STORE,
@@ -111,7 +120,7 @@ source!(SHOW, [file!("show")], [Read, Read, Write]);
 
 /// Every stage there is.
 #[cfg(test)]
-pub(crate) const ALL: [&Source; 27] = [
+pub(crate) const ALL: [&Source; 29] = [
     &PROJECT,
     &FAR,
     &NEAREST,
@@ -133,6 +142,8 @@ pub(crate) const ALL: [&Source; 27] = [
     &PLANES,
     &PULL,
     &PUSH,
+    &REST,
+    &AVERAGE,
     &ENCODE,
     &PLACE,
     &STORE,
@@ -207,6 +218,13 @@ pub(crate) struct Fill {
     pub(crate) push: Stage,
 }
 
+/// Averaging what rests.
+#[derive(Debug)]
+pub(crate) struct Rest {
+    pub(crate) rest: Stage,
+    pub(crate) average: Stage,
+}
+
 /// What a refresh with space-time filtering goes through.
 #[derive(Debug)]
 pub(crate) struct Refreshing {
@@ -221,6 +239,7 @@ pub(crate) struct Refreshing {
     pub(crate) planes: bool,
     pub(crate) solve: Stage,
     pub(crate) fill: Option<Fill>,
+    pub(crate) rest: Option<Rest>,
     pub(crate) encode: Stage,
 }
 
@@ -292,6 +311,12 @@ impl Refreshing {
                 push: compile(&PUSH)?,
             })
         });
+        let rest = config.averages().then(|| {
+            Ok(Rest {
+                rest: compile(&REST)?,
+                average: compile(&AVERAGE)?,
+            })
+        });
         let (gather, solve) = match config.fit {
             Fit::Constant => (GATHER_MEANS, MEANS),
             Fit::Linear => (GATHER_PLANES, PLANES),
@@ -307,6 +332,7 @@ impl Refreshing {
             planes: config.fit == Fit::Linear,
             solve: compile(&solve)?,
             fill: fill.transpose()?,
+            rest: rest.transpose()?,
             encode: compile(&ENCODE)?,
         })
     }

@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use unframed_recon::config::{Config, Light, TimeKernel};
-use unframed_recon::display::ENCODED;
+use unframed_recon::encode::ENCODED;
 use unframed_recon::tables::{
     EXP2_Q15, LOG2_Q11, SRGB_FROM, SRGB_GUESS, SRGB_TO_LINEAR, TIME, TIME_LEN,
 };

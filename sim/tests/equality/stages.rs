@@ -3,7 +3,7 @@
 use unframed_recon::arith::{ANCHOR_BITS, Arith, Moments, Panel, Projected, Sums, Texel};
 use unframed_recon::config::{Config, Extents, Fit, Lifetime, Light};
 use unframed_recon::deep::{Placing, Stored, age, slot};
-use unframed_recon::display::ENCODED;
+use unframed_recon::encode::ENCODED;
 use unframed_recon::fill::{self, pyramid_len};
 use unframed_recon::hidden::{self, minima_len};
 use unframed_recon::memory::Slot;

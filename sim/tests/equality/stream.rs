@@ -129,6 +129,11 @@ impl Stream {
 
     /// A random k-d cut of the panel, down to leaves of about `leaf` pixels.
     pub(crate) fn tiles(&mut self, time: u32, leaf: u32) {
+        self.tiles_but(time, leaf, |_| {});
+    }
+
+    /// The same with tiles changed.
+    pub(crate) fn tiles_but(&mut self, time: u32, leaf: u32, mut change: impl FnMut(&mut Tile)) {
         let region = Rect {
             x: 0,
             y: 0,
@@ -137,6 +142,11 @@ impl Stream {
         };
         let mut nodes = Vec::new();
         grow(&mut self.rng, region, leaf, &mut nodes);
+        for node in &mut nodes {
+            if let TileNode::Leaf(tile) = node {
+                change(tile);
+            }
+        }
         let sink = &mut |frame: &[u8]| self.bytes.extend_from_slice(frame);
         let tiles = self.writer.tiles(Tick(time), region, &nodes, sink);
         tiles.expect("a sound tree");

@@ -4,9 +4,11 @@
 //! |---|---|
 //! | `space` | places, views, gradients, tiles |
 //! | `time` | clocks, order, rates |
+//! | `rest` | when nothing moves |
 //! | `amount` | none, one, millions; panels; damage |
 
 mod amount;
+mod rest;
 mod space;
 mod time;
 
@@ -168,7 +170,13 @@ impl Case {
 /// All cases.
 #[must_use]
 pub fn all() -> Vec<Case> {
-    [space::cases(), time::cases(), amount::cases()].concat()
+    [
+        space::cases(),
+        time::cases(),
+        rest::cases(),
+        amount::cases(),
+    ]
+    .concat()
 }
 
 /// Samples on the plane of [`crate::stream::flat`], spread over the panel, a checker of two colours.

@@ -6,6 +6,7 @@ use unframed_recon::arith::{Moments, Projected, Sums, Texel};
 use unframed_recon::config::Fit;
 use unframed_recon::deep::Stored;
 use unframed_recon::memory::{Needs, Slot};
+use unframed_recon::rest::Mean;
 use unframed_recon::tiles::Cell;
 use unframed_recon::{Arith, Player};
 
@@ -25,6 +26,7 @@ pub fn bytes<A: Arith>(width: u16, height: u16, samples: usize, fit: Fit, slots:
         + size_of::<Sums<A>>()
         + moments
         + size_of::<Texel<A>>()
+        + size_of::<Mean>()
         + size_of::<[u8; 3]>();
     let sum = samples * (size_of::<Stored>() + size_of::<Projected<A>>())
         + needs.pixels * pixel

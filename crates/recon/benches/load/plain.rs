@@ -32,7 +32,7 @@ impl Plain {
     /// A second of samples.
     pub(crate) fn new(size: u16, samples: usize) -> Self {
         let mut rng = scene::Rng(1);
-        let tiles = scene::tiles(size, &mut rng);
+        let tiles = scene::tiles(size, true, &mut rng);
         let lifetimes = tiles
             .iter()
             .map(|t| (t.lifetime.log2_q8() as f32 / 256.0).exp2());

@@ -93,14 +93,19 @@ pub(crate) fn poses(phase: f64) -> Vec<Pose> {
     poses
 }
 
-/// Tiles of 8 × 8 pixels with lifetimes from 1/32 to 2 seconds.
-pub(crate) fn tiles(size: u16, rng: &mut Rng) -> Vec<Tile> {
+/// Tiles of 8 × 8 pixels with lifetimes from 1/32 to 2 seconds, or infinite ones where nothing
+/// moves.
+pub(crate) fn tiles(size: u16, moving: bool, rng: &mut Rng) -> Vec<Tile> {
     let along = size.div_ceil(8);
     let rects = (0..along * along).map(|i| (i % along * 8, i / along * 8));
     rects
         .map(|(x, y)| Tile {
             rect: Rect { x, y, w: 8, h: 8 },
-            lifetime: LogCode(88 + rng.below(48) as u8),
+            lifetime: LogCode(if moving {
+                88 + rng.below(48) as u8
+            } else {
+                255
+            }),
             ..Tile::default()
         })
         .collect()
@@ -148,8 +153,8 @@ pub(crate) struct Show {
 }
 
 impl Show {
-    /// Fills the display's buffer with a second's samples, as many as it holds, and the first
-    /// refreshes.
+    /// Fills the display's buffer with a second's samples, as many as it holds, and shows the first
+    /// refreshes, until what rests has settled ([`unframed_recon::rest::SETTLED`]).
     pub(crate) fn begin<A: Arith, W: Workers>(
         display: &mut Display<'_, A, W>,
         samples: usize,
@@ -164,11 +169,11 @@ impl Show {
             index: 0,
         };
         display.hello(&hello(size));
-        for tile in tiles(size, &mut show.rng) {
+        for tile in tiles(size, moving, &mut show.rng) {
             display.tile(&tile);
         }
         show.pose(display);
-        for _ in 0..61 {
+        for _ in 0..66 {
             show.next(display, moving);
             display.refresh(&show.refresh());
         }

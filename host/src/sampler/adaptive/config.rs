@@ -48,6 +48,9 @@ pub struct Config {
     pub lifetime_max: f32,
     /// The shortest lifetime, seconds.
     pub lifetime_min: f32,
+    /// By how much a lifetime may grow, seconds a second: what was taken before the light changed
+    /// is not true again because it no longer changes. Infinity lets it grow at once.
+    pub recovery: f32,
     /// Whether a lifetime balances staleness against noise: the error of a tile whose samples
     /// count for τ is about g²τ² + s²/(r·τ), least at τ³ = s²/(2·g²·r). Else samples live until
     /// they are `tolerance` off.
@@ -92,6 +95,7 @@ impl Default for Config {
             residual_floor: 4.0,
             lifetime_max: 1.0,
             lifetime_min: 0.012,
+            recovery: 1.0,
             balanced: true,
             tolerance: 10.0,
             code_tolerance: 2,

@@ -8,6 +8,18 @@ use super::projection::{SKY_DEPTH, same_depth};
 use super::tiles::Tile;
 use super::{Adaptive, Eye, Intent, Shot, displayed, squared_difference};
 
+/// A change beyond rounding: squared displayed levels.
+const EVIDENT: f32 = 4.0;
+/// By how much rounding may be off, levels: half a level and what two traces of a point differ.
+const ROUNDING: f32 = 0.51;
+
+/// The least change, squared displayed levels, between a colour that was stored rounded and one
+/// that was not: what rests must not seem to change.
+fn least_change(stored: Vec3, seen: Vec3) -> f32 {
+    let beyond = ((seen - stored).abs() - ROUNDING).max(Vec3::ZERO);
+    squared_difference(beyond, Vec3::ZERO)
+}
+
 /// A shot and where it falls in the memory.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Find {
@@ -130,7 +142,7 @@ impl Adaptive {
         } else {
             fresh.object == cell.object && same_depth(depth, expected)
         };
-        let dc2 = squared_difference(intent.colour, fresh.colour);
+        let dc2 = least_change(intent.colour, fresh.colour);
         let wrong = !found || dc2 > 60.0 * 60.0;
         if !found {
             self.stats.failed += 1;
@@ -148,6 +160,11 @@ impl Adaptive {
         if !found {
             self.cells.kill(intent.cell);
             self.sampled(find);
+            return;
+        }
+        let lifetimes = self.lifetime_tiles[self.grid.of(cell.pixel)] as usize;
+        if self.still && dc2 > EVIDENT && !self.lifetimes.corroborated(lifetimes, cell.pixel, time)
+        {
             return;
         }
         let r2 = cell.residual(fresh.colour);

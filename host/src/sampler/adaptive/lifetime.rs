@@ -11,6 +11,13 @@ use super::config::Config;
 /// Side of a lifetime tile, pixels of the map: 8 of the image.
 pub(super) const TILE: u32 = 8 / super::SIDE;
 
+/// A tile whose measured lifetime comes this near to the longest rests: it is sent as infinite, and
+/// a display whose view rests too may average there for as long as it likes.
+const RESTS: f32 = 0.95;
+
+/// How long a change that one pixel saw waits for another, seconds.
+const CORROBORATION: f64 = 0.1;
+
 /// Gradients on a grid of 8×8-pixel tiles, and the lifetimes made of them.
 #[derive(Clone, Debug)]
 pub(super) struct Lifetimes {
@@ -20,9 +27,12 @@ pub(super) struct Lifetimes {
     rows: Vec<[f32; 2]>,
     /// Seconds.
     pub(super) tau: Vec<f32>,
+    /// The pixel in each tile that last saw a change while all stood still, and when.
+    witnesses: Vec<(u32, f64)>,
     enabled: bool,
     longest: f32,
     shortest: f32,
+    recovery: f32,
     tolerance: f32,
 }
 
@@ -35,9 +45,11 @@ impl Lifetimes {
             sums: vec![[0.0; 2]; tiles],
             rows: vec![[0.0; 2]; tiles],
             tau: vec![config.lifetime_max; tiles],
+            witnesses: vec![(0, f64::NEG_INFINITY); tiles],
             enabled: config.lifetimes,
             longest: config.lifetime_max,
             shortest: config.lifetime_min,
+            recovery: config.recovery,
             tolerance: config.tolerance,
         }
     }
@@ -51,10 +63,27 @@ impl Lifetimes {
         self.sums[tile][1] += gradients[1];
     }
 
+    /// Whether a change that a pixel of a tile saw while nothing moved is to be believed. A ray
+    /// that grazes an edge falls to either side of it by rounding: one such look would end the
+    /// rest of 3×3 tiles. Light that changes is soon seen by another pixel near by.
+    pub(super) fn corroborated(&mut self, tile: usize, pixel: u32, time: f64) -> bool {
+        let (w, h) = (self.grid.x as usize, self.grid.y as usize);
+        let (x, y) = (tile % w, tile / w);
+        let mut near = (y.saturating_sub(1)..(y + 2).min(h))
+            .flat_map(|y| (x.saturating_sub(1)..(x + 2).min(w)).map(move |x| y * w + x));
+        let believed = near.any(|tile| {
+            let (other, when) = self.witnesses[tile];
+            other != pixel && time - when < CORROBORATION
+        });
+        self.witnesses[tile] = (pixel, time);
+        believed
+    }
+
     /// Lifetimes from the sums, each smoothed over 3×3 tiles:
     /// `g² = ΣΔc²/ΣΔt²`, `1/τ² = 1/τ_max² + g²/tolerance²`. With `noise` (s²/r of each tile) the
-    /// tolerance is what balances staleness against noise: `τ³ = noise/(2·g²)`.
-    pub(super) fn solve(&mut self, noise: &[f32]) {
+    /// tolerance is what balances staleness against noise: `τ³ = noise/(2·g²)`. `step` seconds after
+    /// the last time, lifetimes may have grown by so much; the first time, to anything.
+    pub(super) fn solve(&mut self, noise: &[f32], step: f32) {
         if !self.enabled {
             return;
         }
@@ -71,8 +100,21 @@ impl Lifetimes {
             for x in 0..w {
                 let near = y.saturating_sub(1)..(y + 2).min(h);
                 let [dc2, dt2] = near.fold([0.0; 2], |a, r| add(a, self.rows[r * w + x]));
-                self.tau[y * w + x] = self.lifetime(dc2, dt2, noise.get(y * w + x).copied());
+                let tau = self.lifetime(dc2, dt2, noise.get(y * w + x).copied());
+                let before = self.tau[y * w + x];
+                // Not a number the first time: then the bound is none.
+                self.tau[y * w + x] = tau.min(before + self.recovery * step);
             }
+        }
+    }
+
+    /// The lifetime of a tile as the display is told, seconds.
+    pub(super) fn told(&self, tile: usize) -> f32 {
+        let tau = self.tau[tile];
+        if self.enabled && tau >= RESTS * self.longest {
+            f32::INFINITY
+        } else {
+            tau
         }
     }
 

@@ -58,6 +58,8 @@ pub struct Adaptive {
     cells: Cells,
     lifetimes: Lifetimes,
     projection: Projection,
+    /// Whether nothing moved since that projection.
+    still: bool,
     /// Objects seen so far, in the order of their first samples.
     objects: Vec<u8>,
     tiles: Vec<Tile>,
@@ -145,6 +147,7 @@ impl Adaptive {
             cells: Cells::new(size, &config),
             lifetimes,
             projection: Projection::new(f64::NAN),
+            still: false,
             objects: Vec::new(),
             tiles: vec![Tile::default(); grid.len()],
             fading: Fading::default(),
@@ -217,6 +220,7 @@ impl Sampler for Adaptive {
         let looks = span.shots as f64 * f64::from(self.config.verify_share);
         self.alarm.set_rate(looks / span.length());
         let middle = 0.5 * (span.t0 + span.t1);
+        self.still = self.stands_still(middle, eye);
         if self.is_due(middle, eye) {
             self.warp(middle, eye);
         }
@@ -258,7 +262,7 @@ impl Sampler for Adaptive {
         let codes: Vec<[LogCode; 2]> = (0..grid.y)
             .flat_map(|y| (0..grid.x).map(move |x| UVec2::new(x, y)))
             .map(|at| {
-                let lifetime = self.lifetimes.tau[(at.y * grid.x + at.x) as usize];
+                let lifetime = self.lifetimes.told((at.y * grid.x + at.x) as usize);
                 [log_code(lifetime), log_code(self.density(at))]
             })
             .collect();

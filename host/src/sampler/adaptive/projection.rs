@@ -37,6 +37,11 @@ impl Projection {
         self.time
     }
 
+    /// Whether the objects that either knows are where they are in the other.
+    pub(in crate::sampler) fn agrees(&self, other: &Self) -> bool {
+        self.objects == other.objects
+    }
+
     /// Prepares an object.
     pub(in crate::sampler) fn prepare(&mut self, object: u8, eye: &dyn Eye) {
         let entry = &mut self.objects[usize::from(object)];

@@ -120,6 +120,54 @@ fn verification_measures_a_known_gradient() {
     assert!(tau[0] > 0.9, "the still corner lives {}", tau[0]);
 }
 
+/// Which lifetime tiles the display is told to average for as long as it likes.
+fn told_to_rest(sampler: &Adaptive) -> Vec<bool> {
+    let tiles = sampler.lifetimes().0.element_product() as usize;
+    (0..tiles)
+        .map(|tile| sampler.lifetimes.told(tile) == f32::INFINITY)
+        .collect()
+}
+
+#[test]
+fn a_still_scene_rests_without_a_break() {
+    // Edges everywhere: rays that graze them must wake nobody.
+    let stage = Stage {
+        checker: 0.11,
+        ..Stage::new(LARGE)
+    };
+    let mut sampler = Adaptive::new(LARGE, Config::default());
+    work(&mut sampler, &stage, 0.0, 0.5);
+    for step in 0..30 {
+        let from = 0.5 + f64::from(step) / 30.0;
+        work(&mut sampler, &stage, from, 1.0 / 30.0);
+        let awake = told_to_rest(&sampler).iter().filter(|told| !**told).count();
+        assert_eq!(awake, 0, "tiles awake after {from} s");
+    }
+}
+
+#[test]
+fn light_that_changes_slowly_wakes_its_tiles_alone() {
+    // 20 levels a second: a fiftieth of a second for the change that the eye can see.
+    let stage = Stage {
+        panel_rate: 20.0,
+        ..Stage::new(LARGE)
+    };
+    let mut sampler = Adaptive::new(LARGE, Config::default());
+    work(&mut sampler, &stage, 0.0, 1.0);
+    let (grid, _) = sampler.lifetimes();
+    let centre = |i: usize| {
+        let i = i as u32;
+        (UVec2::new(i % grid.x, i / grid.x) * lifetime::TILE).as_vec2() + 4.0
+    };
+    let told = told_to_rest(&sampler);
+    let changing: Vec<bool> = (0..told.len())
+        .filter(|&i| on_panel(centre(i), LARGE, 0.0))
+        .map(|i| told[i])
+        .collect();
+    assert!(!changing.is_empty() && changing.iter().all(|told| !told));
+    assert!(told[0], "the still corner rests");
+}
+
 #[test]
 fn shots_go_where_the_residual_is() {
     let stage = Stage {

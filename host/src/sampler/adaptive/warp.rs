@@ -52,6 +52,15 @@ impl Adaptive {
         MOVED * moved > all
     }
 
+    /// Whether neither view nor objects moved since the last warp.
+    pub(super) fn stands_still(&self, time: f64, eye: &dyn Eye) -> bool {
+        let mut now = Projection::new(time);
+        for &object in &self.objects {
+            now.prepare(object, eye);
+        }
+        self.projection.agrees(&now)
+    }
+
     /// Moves the memory to the view of an instant and sums it up.
     pub(super) fn warp(&mut self, time: f64, eye: &dyn Eye) {
         self.stats.warps += 1;
@@ -83,7 +92,7 @@ impl Adaptive {
                 self.noise.push(self.noise(at));
             }
         }
-        self.lifetimes.solve(&self.noise);
+        self.lifetimes.solve(&self.noise, step);
     }
 
     /// Sums the front cells up in their tiles.

@@ -24,7 +24,9 @@ struct Params {
     // Whether samples behind others are dropped, whether colours are filtered as encoded.
     hidden: u32,
     encoded: u32,
-    padding: vec2<u32>,
+    // Whether means are kept for what rests.
+    averages: u32,
+    padding: u32,
 }
 
 // The arrays of unframed_recon::tables; twin of Tables in tables.rs. Those between whose entries
