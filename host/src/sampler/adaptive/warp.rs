@@ -54,7 +54,7 @@ impl Adaptive {
 
     /// Whether neither view nor objects moved since the last warp.
     pub(super) fn stands_still(&self, time: f64, eye: &dyn Eye) -> bool {
-        let mut now = Projection::new(time);
+        let mut now = Projection::scaled(time, 1.0 / SIDE as f32);
         for &object in &self.objects {
             now.prepare(object, eye);
         }
