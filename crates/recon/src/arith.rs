@@ -168,7 +168,8 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
     /// apart.
     fn depth_of_log(q11: i32) -> Self::Depth;
 
-    /// log2 of the lifetime at a place, seconds, bilinear between tiles.
+    /// log2 of the lifetime at a place, seconds, bilinear between tiles, none longer than
+    /// [`crate::tiles::LONGEST`].
     fn lifetime(map: &TileMap<'_>, panel: &Panel, x: Self::Coord, y: Self::Coord) -> Self::Log;
 
     /// A log quantity given with 8 fractional bits.

@@ -130,7 +130,7 @@ impl<'a, A: Arith, W: Workers> Display<'a, A, W> {
             moments: &mut memory.moments[..moments],
             texels: &mut memory.texels[..pixels],
             pyramid: memory.pyramid,
-            means: &mut memory.means[..means],
+            means: memory.means.get_mut(..means).unwrap_or(&mut []),
             slots: memory.slots,
             picture: &mut memory.picture[..pixels],
             hello: None,

@@ -133,7 +133,7 @@ impl Arith for Fixed {
     #[inline]
     fn lifetime(map: &TileMap<'_>, panel: &Panel, x: u16, y: u16) -> i32 {
         let ((column, fx), (row, fy)) = (between_cells(panel, x), between_cells(panel, y));
-        bilinear(&map.around(column, row), fx, fy, |cell| cell.lifetime)
+        bilinear(&map.around(column, row), fx, fy, Cell::weighed)
     }
 
     fn log(q8: i16) -> i32 {

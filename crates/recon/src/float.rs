@@ -109,7 +109,7 @@ macro_rules! float_arith {
 
             fn lifetime(map: &TileMap<'_>, _: &Panel, x: $float, y: $float) -> $float {
                 let (cells, fx, fy) = around(map, x as f64, y as f64);
-                bilinear(&cells, fx, fy, |cell| cell.lifetime) as $float
+                bilinear(&cells, fx, fy, Cell::weighed) as $float
             }
 
             fn log(q8: i16) -> $float {

@@ -13,6 +13,10 @@ pub const CELL: usize = 1 << CELL_BITS;
 /// The lifetime of a tile in which nothing changes: infinity.
 pub const RESTS: LogCode = LogCode(255);
 
+/// The longest lifetime that samples are weighed by: a second. Infinity would reach into
+/// neighbouring tiles whose samples live for milliseconds.
+pub const LONGEST: LogCode = LogCode(128);
+
 /// What is known of one cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cell {
@@ -29,6 +33,13 @@ pub struct Cell {
 }
 
 impl Cell {
+    /// The lifetime that samples are weighed by.
+    #[inline]
+    #[must_use]
+    pub fn weighed(&self) -> LogCode {
+        self.lifetime.min(LONGEST)
+    }
+
     /// All codes zero: storage that no map has cleared yet.
     pub const ZERO: Self = Self {
         gx: LogCode(0),

@@ -192,13 +192,17 @@ proptest! {
         let (mut cells, panel) = (cells(&codes), panel());
         let map = TileMap::resume(&mut cells, 200, 100).expect("enough cells");
         let (et, wx, wy) = Fixed::extents(&map, &panel, x, y);
-        // Each quantity's own lookup, by way of the lifetime's.
+        // Each quantity's own lookup, by way of the lifetime's; that ends at a second, so in halves:
+        // (c − 128)/8 = (a − 128)/8 + (c − a − 128)/8 + 16.
         let at = (f64::from(x) / 128.0, f64::from(y) / 128.0);
-        let log = |of: fn([u8; 5]) -> u8| {
+        let half = |of: &dyn Fn([u8; 5]) -> u8| {
             let codes: Vec<_> = codes.iter().map(|c| [0, 0, 0, of(*c), 0]).collect();
             let mut cells = crate::cells(&codes);
             let map = TileMap::resume(&mut cells, 200, 100).expect("enough cells");
             f64::lifetime(&map, &panel, at.0, at.1)
+        };
+        let log = |of: fn([u8; 5]) -> u8| {
+            half(&|c| of(c) / 2) + half(&|c| of(c) - of(c) / 2) + 16.0
         };
         let floor = |v: f64, least: f64| v.max(least.log2());
         let (gx, gy) = (floor(log(|c| c[0]), 0.004), floor(log(|c| c[1]), 0.004));

@@ -13,7 +13,7 @@ use unframed_recon::motion::{BUCKET_BITS, BUCKETS};
 use unframed_recon::rest;
 use unframed_recon::tables::TIME_LEN;
 use unframed_recon::taps;
-use unframed_recon::tiles::{CELL_BITS, RESTS};
+use unframed_recon::tiles::{CELL_BITS, LONGEST, RESTS};
 
 fn module(source: &Source) -> naga::Module {
     let text = source.whole().join("\n");
@@ -128,6 +128,8 @@ fn constants_are_the_shaders() {
     assert_eq!(constant(&AVERAGE, "PRIOR"), rest::PRIOR);
     assert_eq!(constant(&AVERAGE, "RESTS"), u32::from(RESTS.0));
     assert_eq!(constant(&AVERAGE, "MAP_BITS"), CELL_BITS);
+    let longest = constant(&PROJECT, "LONGEST_CODE");
+    assert_eq!(longest, u32::from(LONGEST.0));
     assert_eq!(constant(&PROJECT, "TIME_CHORDS") as usize + 1, TIME_LEN);
     assert_eq!(constant(&GATHER_MEANS, "LEAST") as i32, taps::LEAST);
     assert_eq!(constant(&GATHER_MEANS, "MOST") as i32, taps::MOST);

@@ -31,6 +31,9 @@ const GT: u32 = 2u;
 const LIFETIME: u32 = 3u;
 const DENSITY: u32 = 4u;
 
+// The longest lifetime that samples are weighed by, as a code.
+const LONGEST_CODE: u32 = 128u;
+
 struct Between {
     cell: i32,
     // The way to the next cell in 1/512.
@@ -74,7 +77,8 @@ fn around(x: u32, y: u32) -> Around {
 
 fn log2_q8(cell: vec2<u32>, field: u32) -> i32 {
     let word = select(cell.x, cell.y, field >= 4u);
-    let code = (word >> ((field & 3u) * 8u)) & 0xffu;
+    var code = (word >> ((field & 3u) * 8u)) & 0xffu;
+    if field == LIFETIME { code = min(code, LONGEST_CODE); }
     return (i32(code) - 128i) * 32i;
 }
 
