@@ -46,7 +46,7 @@ fn turns() -> Case {
     time = refreshes(&mut stream, time, 9, &mut take);
     stream.cut(time);
     refreshes(&mut stream, time, 9, &mut take);
-    Case::new("rests that settle and end", SIZE, stream.bytes, BETWEEN)
+    Case::new("rests that settle and end", SIZE, stream.bytes, BETWEEN).method("adaptive-constant")
 }
 
 /// All is bright and averaged for long; then it is dark, and the tiles say that light changes.
