@@ -9,6 +9,7 @@ use unframed_sim::boards::{Board, BoardError, Image, Target};
 use unframed_tests::backends::{Show, adapter_or_skip, boards_or_skip, firmware};
 use unframed_tests::controller::Controller;
 use unframed_tests::scenes::{RATE, REFRESHES, SIZE, record, recorded};
+use unframed_tests::stream::{PIXEL, Rng, Stream, sample, tile};
 
 /// Bytes of stack that the reconstructor may use, of the 16 KiB that the boards have.
 const STACK: u64 = 12 * 1024;
@@ -60,6 +61,53 @@ fn a_board_counts_the_same_every_time() {
         let runs = [(); 2].map(|()| show(&bytes).board(board, Image::Play).expect("it works"));
         assert_eq!(runs[0], runs[1], "{}", board.name());
         assert!(runs[0].shown.iter().all(|shown| shown.show > 100_000));
+    }
+}
+
+/// 64 × 64 pixels that remember 16,384 samples and get as many a second: at rest a refresh looks at
+/// 273 of them.
+#[test]
+fn at_rest_a_refresh_costs_what_is_new() {
+    if !boards_or_skip(Image::Play, "instructions at rest") {
+        return;
+    }
+    let size = (64, 64);
+    let mut rng = Rng(40);
+    let mut take = |count: usize| -> Vec<_> {
+        let half = i64::from(PIXEL) * 32;
+        let mut along = || rng.range(-half, half) as i16;
+        (0..count)
+            .map(|_| {
+                let (x, y) = (along(), along());
+                sample([x, y, 0], [(x as u8) ^ (y as u8), 90, y as u8])
+            })
+            .collect()
+    };
+    let mut stream = Stream::of_the_plane(size);
+    stream.tiles(0, 64, |rect| tile(rect, [90, 90, 90, 255]));
+    stream.world(0, &take(16_384));
+    // A second at 8 Hz until it settles, then at 60 Hz.
+    let mut time = 0;
+    for step in [[125_000; 10], [16_667; 10]].concat() {
+        time += step;
+        stream.world(time, &take(273));
+        stream.refresh(time);
+    }
+    for board in Board::ALL {
+        let show = Show {
+            size,
+            ..show(&stream.bytes)
+        };
+        let report = show.board(board, Image::Play).expect("the board works");
+        let (moving, resting) = (&report.shown[0], &report.shown[15..]);
+        let most = resting.iter().map(|shown| shown.show).max().unwrap_or(0);
+        println!(
+            "{}: filtering {}, at rest at most {most} instructions a refresh",
+            board.name(),
+            moving.show
+        );
+        assert!(most > 1000 && most <= 400_000, "{}: {most}", board.name());
+        assert!(moving.show > 10 * most);
     }
 }
 
