@@ -34,6 +34,26 @@ pub(crate) struct Age<A: Arith> {
     reach: [A::Depth; 2],
 }
 
+/// Where a sample is seen now: place and depth; `None` where it is out of sight.
+#[inline]
+pub fn locate<A: Arith>(
+    panel: &Panel,
+    slots: &[Slot<A>],
+    sample: &Stored,
+) -> Option<(A::Coord, A::Coord, A::Depth)> {
+    match sample.placing {
+        Placing::Empty => None,
+        Placing::Screen => {
+            let [x, y, _] = sample.place.map(|v| A::from_sixteenths(panel, v as u16));
+            Some((x, y, A::Depth::default()))
+        }
+        Placing::Lattice => {
+            let slot = slots.get(usize::from(sample.slot))?;
+            A::project(slot.transform.as_ref()?, panel, sample.place)
+        }
+    }
+}
+
 impl<A: Arith> Instant<'_, A> {
     /// Moves samples to the instant; those in sight go to the front of `projected`, in their
     /// order, and are counted by tile: `starts` becomes where each tile's begin (see
@@ -87,21 +107,7 @@ impl<A: Arith> Instant<'_, A> {
     #[inline]
     pub(crate) fn see(&self, sample: &Stored, age: &Age<A>) -> Option<Projected<A>> {
         let (config, panel) = (self.config, self.panel);
-        let (x, y, depth) = match sample.placing {
-            Placing::Empty => return None,
-            Placing::Screen => {
-                let [x, y, _] = sample.place.map(|v| A::from_sixteenths(panel, v as u16));
-                (x, y, A::Depth::default())
-            }
-            Placing::Lattice => {
-                let transform = self
-                    .slots
-                    .get(usize::from(sample.slot))?
-                    .transform
-                    .as_ref()?;
-                A::project(transform, panel, sample.place)?
-            }
-        };
+        let (x, y, depth) = locate(panel, self.slots, sample)?;
         let (mut lifetime, mut widths) = (A::Log::default(), [A::Width::default(); 2]);
         if config.extents == Extents::Gradient || config.lifetime == Lifetime::Gradient {
             let (et, wx, wy) = A::extents(self.tiles, panel, x, y);

@@ -17,8 +17,9 @@
 //! Sums are integers in every arithmetic, so the order of samples cannot matter.
 
 use crate::arith::{Arith, Panel};
-use crate::deep::{Placing, Stored, age};
+use crate::deep::{Stored, age};
 use crate::memory::Slot;
+use crate::project::locate;
 use crate::tiles::TileMap;
 use unframed_wire::{Tick, View};
 
@@ -181,17 +182,6 @@ pub fn place<A: Arith>(
     now: Tick,
 ) -> Option<(i32, i32)> {
     age(sample.time, now)?;
-    let (x, y) = match sample.placing {
-        Placing::Empty => return None,
-        Placing::Screen => {
-            let [x, y, _] = sample.place.map(|v| A::from_sixteenths(panel, v as u16));
-            (x, y)
-        }
-        Placing::Lattice => {
-            let transform = slots.get(usize::from(sample.slot))?.transform.as_ref()?;
-            let (x, y, _) = A::project(transform, panel, sample.place)?;
-            (x, y)
-        }
-    };
+    let (x, y, _) = locate(panel, slots, sample)?;
     Some((A::pixel(panel, x), A::pixel(panel, y)))
 }
