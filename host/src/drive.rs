@@ -185,6 +185,7 @@ impl Host {
             let before = self.shots.len();
             let mut clock = Clock::new();
             self.world.prepare(t0, t1);
+            progress.rays += self.world.preparation();
             clock.lap(&mut self.spent.scene);
             let span = Span { t0, t1, shots };
             self.sampler.epoch(span, &self.world, &mut self.shots);

@@ -11,7 +11,7 @@
 pub const SOFT: usize = 0;
 /// Rays from surfaces towards virtual point lights.
 pub const INDIRECT: usize = 1;
-/// Places in the medium along a ray, each of which asks all lamps.
+/// Places in the medium along a ray, for each lamp.
 pub const MEDIUM: usize = 2;
 /// Most rays of an effect where a path meets a surface or the medium.
 pub const MOST: usize = 16;
@@ -76,10 +76,10 @@ pub(crate) enum Purpose {
     Lamp(usize),
     /// The choice of a virtual point light.
     Light,
-    /// A place in the medium.
-    Place,
-    /// A place on a lamp, seen from there.
-    Glow,
+    /// A place in the medium, for this lamp.
+    Place(usize),
+    /// A place on this lamp, seen from there.
+    Glow(usize),
 }
 
 impl Points {
@@ -94,14 +94,19 @@ impl Points {
             return crate::trace::moment::unit_square(self.seed);
         }
         let salt = match purpose {
-            Purpose::Lamp(lamp) => 0x100 + lamp as u32,
+            Purpose::Lamp(lamp) => 4 * lamp as u32,
             Purpose::Light => 1,
-            Purpose::Place => 2,
-            Purpose::Glow => 3,
+            Purpose::Place(lamp) => 4 * lamp as u32 + 2,
+            Purpose::Glow(lamp) => 4 * lamp as u32 + 3,
         };
-        let point = sobol(self.seed.wrapping_add(i as u32), salt);
-        point.map(|bits| (bits >> 8) as f32 / 16_777_216.0)
+        spread(self.seed.wrapping_add(i as u32), salt)
     }
+}
+
+/// Point `index` of the sequence that `salt` chooses, in the unit square. 4096 in a row that begin at a
+/// multiple of it are well spread.
+pub(crate) fn spread(index: u32, salt: u32) -> [f32; 2] {
+    sobol(index, salt).map(|bits| (bits >> 8) as f32 / 16_777_216.0)
 }
 
 /// Bits of a seed that count along a sequence; the others say which.
@@ -189,7 +194,7 @@ mod tests {
             for (columns, rows) in [(16, 1), (4, 4), (1, 16)] {
                 let mut seen = [false; 16];
                 for i in 0..16 {
-                    let [x, y] = points.next(Purpose::Place, i);
+                    let [x, y] = points.next(Purpose::Place(0), i);
                     let (x, y) = (x * columns as f32, y * rows as f32);
                     seen[y as usize * columns + x as usize] = true;
                 }

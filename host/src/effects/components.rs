@@ -6,10 +6,11 @@ use std::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 
 use super::deferred::Deferred;
+use super::reference::Dice;
 use super::sets::Sets;
-use super::vpl::Vpl;
+use super::vpl::Vpls;
 use crate::trace::Rays;
-use crate::trace::moment::Moment;
+use crate::trace::moment::{Moment, scramble};
 
 /// Steps of the march through a medium.
 const STEPS: u32 = 8;
@@ -81,9 +82,11 @@ impl Component for SoftShadows<'_> {
 /// Indirect diffuse: irradiance/π from virtual point lights, one subset a sample.
 pub(crate) struct Indirect<'a> {
     pub(crate) moment: &'a Moment<'a>,
-    pub(crate) lights: &'a [Vpl],
+    pub(crate) vpls: &'a Vpls,
     /// Number of subsets: pixels of the pattern.
     pub(crate) subsets: u32,
+    /// Estimates a sample of what the lights leave out near by.
+    pub(crate) corrections: u32,
 }
 
 impl Component for Indirect<'_> {
@@ -94,9 +97,10 @@ impl Component for Indirect<'_> {
         let subset = (pixel + set) % self.subsets;
         let (mut light, mut missed, mut tried) = (Vec3::ZERO, 0.0f32, 0.0f32);
         let every = self.subsets as usize;
-        for vpl in self.lights.iter().skip(subset as usize).step_by(every) {
-            let Some((towards, distance, arriving)) = vpl.incoming(struck.place, struck.smooth)
-            else {
+        let of_subset = self.vpls.lights.iter().skip(subset as usize).step_by(every);
+        for vpl in of_subset {
+            let incoming = vpl.incoming(struck.place, struck.smooth, self.vpls.near);
+            let Some((towards, distance, arriving)) = incoming else {
                 continue;
             };
             rays.indirect += 1;
@@ -108,8 +112,14 @@ impl Component for Indirect<'_> {
                 light += arriving * self.moment.between(origin, towards, distance);
             }
         }
-        let scale = self.subsets as f32 * FRAC_1_PI;
-        (light * scale, missed / tried.max(1.0))
+        light *= self.subsets as f32 * FRAC_1_PI;
+        let mut dice = Dice::new(scramble(at.direction) ^ set);
+        for _ in 0..self.corrections {
+            let (vpls, rays) = (self.vpls, &mut rays.indirect);
+            let left_out = self.moment.left_out(vpls, struck, || dice.pair(), rays);
+            light += left_out / self.corrections as f32;
+        }
+        (light, missed / tried.max(1.0))
     }
 
     /// The subsets of a whole pattern are all lights there are: what differs between them is
@@ -143,27 +153,32 @@ impl Component for Haze<'_> {
         // Each pixel has a part of the step, each set a part of that (§3.4).
         let [pixels, sets] = self.pattern.map(|n| n as f32);
         let offset = (pixel as f32 + (set as f32 + 0.5) / sets) / pixels;
-        let step = inside.length() / STEPS as f32;
-        let (mut light, mut missed, mut halo) = (Vec3::ZERO, 0.0, 0.0);
-        for i in 0..STEPS {
-            let s = (i as f32 + offset) * step;
-            let place = at.eye + at.direction * (inside.from + s);
-            // Another point of the lamp at each step.
-            let point = self
-                .sets
-                .point(pixel + i * self.pattern[0] / STEPS, set + i);
-            let (thrown, hidden, nearest) =
-                self.moment
-                    .thrown(place, at.direction, point, &mut rays.medium);
-            light += thrown * (medium.transmittance(s) * step);
-            missed += hidden;
-            if nearest < HALO - medium.extinction() {
-                halo += 1.0;
+        let start = at.eye + at.direction * inside.from;
+        let (mut light, mut asked) = (Vec3::ZERO, 0.0f32);
+        let (mut missed, mut halo) = (0.0f32, 0.0f32);
+        for lamp in 0..self.moment.lamp_count() {
+            let source = self.moment.source(lamp, start, at.direction);
+            for i in 0..STEPS {
+                let part = (i as f32 + offset) / STEPS as f32;
+                let (s, metres) = medium.place(inside.length(), source, part);
+                let place = start + at.direction * s;
+                // Another point of the lamp at each step.
+                let point = self
+                    .sets
+                    .point(pixel + i * self.pattern[0] / STEPS, set + i);
+                let rays = &mut rays.medium;
+                let thrown = self.moment.thrown(lamp, place, at.direction, point, rays);
+                asked += 1.0;
+                if let Some(thrown) = thrown {
+                    light += thrown.light * (metres / STEPS as f32);
+                    missed += f32::from(u8::from(thrown.hidden));
+                    halo += f32::from(u8::from(thrown.distance < HALO - medium.extinction()));
+                }
             }
         }
         // Listing 4: both shares where they are neither none nor all.
         let (mut value, mut parts) = (0.0, 0.0);
-        for share in [missed / STEPS as f32, halo / STEPS as f32] {
+        for share in [missed, halo].map(|n| n / asked.max(1.0)) {
             if share > 0.0 && share < 1.0 {
                 value += share;
                 parts += 1.0;

@@ -18,7 +18,9 @@ const PIXELS: u32 = SIDE * SIDE;
 /// Most samples of a component a pixel (§4.2).
 pub const MOST: u32 = 9;
 /// Paths of virtual point lights in a frame: about the 256 lights of §4.2.
-const PATHS: usize = 96;
+const PATHS: usize = 144;
+/// Estimates a sample of what they leave out near by: few beside some thirty rays to lights.
+const CORRECTIONS: u32 = 4;
 /// Within this distance, metres, they grow no stronger.
 const NEAR: f32 = 0.2;
 
@@ -102,11 +104,13 @@ pub fn render(world: &mut World, t: f64, refinement: Refinement) -> Frame {
     }
     if moment.indirect() {
         // At a quarter of the pixels (§4.1).
-        let lights = vpl::scatter(&moment, PATHS, NEAR).lights;
+        let vpls = vpl::scatter(&moment, PATHS, NEAR);
+        rays.indirect += vpls.rays;
         let indirect = Indirect {
             moment: &moment,
-            lights: &lights,
+            vpls: &vpls,
             subsets: PIXELS,
+            corrections: CORRECTIONS,
         };
         let half = [width.div_ceil(2), height.div_ceil(2)];
         let few = looks(&moment, half, 2, &mut Rays::default());
@@ -151,17 +155,19 @@ pub fn render(world: &mut World, t: f64, refinement: Refinement) -> Frame {
     }
 }
 
-/// Indirect light alone, of all lights of `paths` paths that grow no stronger within `near` metres,
-/// without interleaving or filter: what it converges to as paths are added and `near` shrinks.
-/// Linear light, rows from the top; the world's prepared epoch is `t` afterwards.
-pub fn indirect_alone(world: &mut World, t: f64, paths: usize, near: f32) -> Vec<Vec3> {
+/// Indirect light alone, of all lights of `paths` paths, without interleaving or filter, with
+/// `corrections` estimates a pixel of what the lights leave out near by. What it
+/// converges to as both grow is the reference. Linear light, rows from the top; the world's
+/// prepared epoch is `t` afterwards.
+pub fn indirect_alone(world: &mut World, t: f64, paths: usize, corrections: u32) -> Vec<Vec3> {
     world.prepare(t, t);
     let moment = world.moment(t);
-    let lights = vpl::scatter(&moment, paths, near).lights;
+    let vpls = vpl::scatter(&moment, paths, vpl::NEAR);
     let indirect = Indirect {
         moment: &moment,
-        lights: &lights,
+        vpls: &vpls,
         subsets: 1,
+        corrections,
     };
     let seen = looks(&moment, world.size(), 1, &mut Rays::default());
     let light = |at: &Deferred| {

@@ -5,8 +5,20 @@ use std::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 
 use super::BUILT_IN;
+use super::medium::Source;
 use crate::scene::model::Medium;
 use crate::trace::moment::{Moment, Struck};
+
+/// Light that a lamp throws towards the eye from a place in the medium.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Thrown {
+    /// Radiance a metre.
+    pub(crate) light: Vec3,
+    /// Whether something stands in between.
+    pub(crate) hidden: bool,
+    /// Of the lamp, metres; infinite for directional light.
+    pub(crate) distance: f32,
+}
 
 impl Moment<'_> {
     /// The medium, if the scene has one.
@@ -83,36 +95,45 @@ impl Moment<'_> {
             * FRAC_1_PI
     }
 
-    /// At a place in the medium: radiance a metre that lamps throw into the unit `direction`
-    /// against which the eye looks, the share of lamps that are hidden, and the distance of the
-    /// nearest, metres. `point` says where on area lights.
+    /// How a lamp is seen from a stretch of a medium that begins at `origin`, in a unit direction.
+    pub(crate) fn source(&self, lamp: usize, origin: Vec3, direction: Vec3) -> Source {
+        let Some((middle, radius)) = self.world.lamps[lamp].ball(&self.lamp(lamp)) else {
+            return Source::Far;
+        };
+        let foot = (middle - origin).dot(direction);
+        let apart = middle.distance_squared(origin + direction * foot);
+        let reach = (apart + radius * radius).sqrt().max(1e-4);
+        Source::Near { foot, reach }
+    }
+
+    /// At a place in the medium: radiance a metre that a lamp throws into the unit `direction`
+    /// against which the eye looks; where it shines there at all. `point` says where on an area
+    /// light. Counts the ray.
     pub(crate) fn thrown(
         &self,
+        lamp: usize,
         place: Vec3,
         direction: Vec3,
         point: [f32; 2],
         rays: &mut u32,
-    ) -> (Vec3, f32, f32) {
-        let Some(medium) = self.medium() else {
-            return (Vec3::ZERO, 0.0, f32::INFINITY);
-        };
-        let (mut light, mut hidden, mut nearest) = (Vec3::ZERO, 0.0, f32::INFINITY);
-        for (i, lamp) in self.world.lamps.iter().enumerate() {
-            let pose = || (point, self.lamp_pose(i));
-            let Some(lit) = lamp.incoming(&self.lamp(i), place, pose) else {
-                continue;
-            };
-            *rays += 1;
-            nearest = nearest.min(lit.distance);
-            if self.blocked(place, lit.towards, lit.distance * 0.9999) {
-                hidden += 1.0;
-                continue;
-            }
+    ) -> Option<Thrown> {
+        let medium = self.medium()?;
+        let pose = || (point, self.lamp_pose(lamp));
+        let lit = self.world.lamps[lamp].incoming(&self.lamp(lamp), place, pose)?;
+        *rays += 1;
+        let hidden = self.blocked(place, lit.towards, lit.distance * 0.9999);
+        let light = if hidden {
+            Vec3::ZERO
+        } else {
             let passing = medium.between(place, lit.towards, lit.distance);
             let phase = medium.phase(direction.dot(lit.towards));
-            light += lit.irradiance * (medium.sigma_s * passing * phase);
-        }
-        (light, hidden / self.lamp_count().max(1) as f32, nearest)
+            lit.irradiance * (medium.sigma_s * passing * phase)
+        };
+        Some(Thrown {
+            light,
+            hidden,
+            distance: lit.distance,
+        })
     }
 
     /// A path that leaves a lamp: origin, unit direction, and the lamp's whole flux as seen by

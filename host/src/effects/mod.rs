@@ -1,9 +1,10 @@
 //! Effects that a scene may call for, each a component of its own (Dubla, Debattista and Chalmers
 //! 2009): what is not called for costs no ray.
 //!
-//! - [`area`]: soft shadows, points on emissive meshes;
+//! - [`area`]: soft shadows, points on emissive meshes, from near by over their solid angle
+//!   ([`spherical`]);
 //! - [`medium`]: single scattering in a homogeneous medium;
-//! - [`vpl`]: indirect diffuse light by virtual point lights;
+//! - [`vpl`]: indirect diffuse light by virtual point lights, and what these leave out ([`near`]);
 //! - [`framed`]: all three by adaptive interleaved sampling of whole frames ([`deferred`] data,
 //!   [`components`] with their guidance, disjoint [`sets`]);
 //! - [`care`]: how many rays a frameless sample gives to each, and with which points;
@@ -17,8 +18,10 @@ pub mod framed;
 mod interleave;
 mod light;
 pub(crate) mod medium;
+mod near;
 pub mod reference;
 pub(crate) mod sets;
+mod spherical;
 #[cfg(test)]
 mod tests;
 pub(crate) mod vpl;

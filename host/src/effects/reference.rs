@@ -31,8 +31,7 @@ pub fn reference(world: &mut World, t: f64, samples: u32) -> Vec<Vec3> {
 
 /// The mean of `samples` estimates of what a pixel sees.
 pub(crate) fn estimate(moment: &Moment<'_>, seen: &Deferred, samples: u32, seed: u32) -> Vec3 {
-    // Hashed: seeds that differ by a step of the dice would throw the same numbers, one later.
-    let mut dice = Dice((unit_square(seed)[0] * 16_777_216.0) as u32 ^ seed << 24);
+    let mut dice = Dice::new(seed);
     let mut sum = Vec3::ZERO;
     for _ in 0..samples {
         let mut light = seen.own;
@@ -44,8 +43,11 @@ pub(crate) fn estimate(moment: &Moment<'_>, seen: &Deferred, samples: u32, seed:
         {
             let (s, weight) = medium.distance(inside.length(), dice.pair()[0]);
             let place = seen.eye + seen.direction * (inside.from + s);
-            let (thrown, ..) = moment.thrown(place, seen.direction, dice.pair(), &mut 0);
-            light = light * medium.transmittance(inside.length()) + thrown * weight;
+            light *= medium.transmittance(inside.length());
+            for lamp in 0..moment.lamp_count() {
+                let thrown = moment.thrown(lamp, place, seen.direction, dice.pair(), &mut 0);
+                light += thrown.map_or(Vec3::ZERO, |thrown| thrown.light) * weight;
+            }
         }
         sum += light;
     }
@@ -83,10 +85,16 @@ fn gathered(moment: &Moment<'_>, struck: &Struck, dice: &mut Dice) -> Vec3 {
 }
 
 /// Random numbers.
-struct Dice(u32);
+pub(crate) struct Dice(u32);
 
 impl Dice {
-    fn pair(&mut self) -> [f32; 2] {
+    pub(crate) fn new(seed: u32) -> Self {
+        // Hashed: seeds that differ by a step of the dice would throw the same numbers, one later.
+        Self((unit_square(seed)[0] * 16_777_216.0) as u32 ^ seed << 24)
+    }
+
+    /// Two in 0..1.
+    pub(crate) fn pair(&mut self) -> [f32; 2] {
         self.0 = self.0.wrapping_add(0x9e37_79b9);
         unit_square(self.0)
     }

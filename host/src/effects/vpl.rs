@@ -1,7 +1,9 @@
 //! Indirect diffuse light by virtual point lights (Keller 1997, "Instant radiosity").
 //!
-//! Paths start at the lamps, in turn, with a low-discrepancy sequence that is the same at every
-//! instant, so that lights move only with what they lie on. Each place where a path meets a
+//! Paths start at the lamps, in turn, with low-discrepancy sequences that are the same at every
+//! instant, so that lights move only with what they lie on. Each turn of a path has a scrambled
+//! sequence of its own: one additive recurrence for all turns, in steps of the greatest depth, was
+//! 8 % off however many paths there were. Each place where a path meets a
 //! surface becomes a light; Russian roulette by the albedo decides whether the path goes on. A
 //! sample chooses a path and then one of its lights, by power: what one path does when something
 //! moves changes no other choice.
@@ -10,15 +12,15 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::care::Care;
-use super::sets::Recurrence;
+use super::care::{Care, spread};
 use crate::trace::moment::Moment;
 use crate::trace::shade::Shader;
 
 /// Paths in frameless rendering.
 pub(crate) const PATHS: usize = 128;
-/// Most surfaces that a path meets: work is bounded. With albedos of 0.8 a tenth gets so far.
-const DEPTH: u32 = 10;
+/// Most surfaces that a path meets: work is bounded. With albedos of 0.8 one in a thousand gets so
+/// far.
+const DEPTH: u32 = 32;
 /// Lights among which a sample chooses, by the light that each would send if nothing stood in
 /// between (resampling: Talbot, Cline and Egbert 2005).
 const CANDIDATES: usize = 8;
@@ -34,14 +36,18 @@ pub(crate) struct Vpl {
     pub(crate) normal: Vec3,
     /// Reflected flux/π, W/sr towards the normal.
     pub(crate) intensity: Vec3,
-    /// Square of the distance within which it grows no stronger, m².
-    near: f32,
 }
 
 impl Vpl {
     /// Direction and distance to it and the irradiance that arrives at `place` on a surface with
-    /// `normal`, if nothing is in between; `None` where that is nothing.
-    pub(crate) fn incoming(&self, place: Vec3, normal: Vec3) -> Option<(Vec3, f32, Vec3)> {
+    /// `normal`, if nothing is in between; `None` where that is nothing. Within `near` metres it
+    /// grows no stronger.
+    pub(crate) fn incoming(
+        &self,
+        place: Vec3,
+        normal: Vec3,
+        near: f32,
+    ) -> Option<(Vec3, f32, Vec3)> {
         let offset = self.place - place;
         let d2 = offset.length_squared();
         let distance = d2.sqrt().max(1e-5);
@@ -49,7 +55,7 @@ impl Vpl {
         let cos = normal.dot(towards).min(1.0);
         let leaving = -self.normal.dot(towards);
         (cos > 0.0 && leaving > 0.0).then(|| {
-            let light = self.intensity * (cos * leaving / d2.max(self.near));
+            let light = self.intensity * (cos * leaving / d2.max(near * near));
             (towards, distance, light)
         })
     }
@@ -62,6 +68,10 @@ pub(crate) struct Vpls {
     pub(crate) lights: Vec<Vpl>,
     /// Where each path's lights end.
     ends: Vec<usize>,
+    /// Within so many metres they grow no stronger.
+    pub(crate) near: f32,
+    /// Rays that making them took.
+    pub(crate) rays: u32,
 }
 
 impl Vpls {
@@ -81,7 +91,7 @@ impl Vpls {
             let Some((vpl, stands_for)) = self.by_power(at) else {
                 continue;
             };
-            let Some((towards, distance, light)) = vpl.incoming(place, normal) else {
+            let Some((towards, distance, light)) = vpl.incoming(place, normal, self.near) else {
                 continue;
             };
             let weight = light.max_element() * stands_for;
@@ -126,17 +136,23 @@ impl Vpls {
 /// The lights of `paths` paths at an instant, which grow no stronger within `near` metres.
 pub(crate) fn scatter(moment: &Moment<'_>, paths: usize, near: f32) -> Vpls {
     let lamps = moment.lamp_count();
-    let mut found = Vpls::default();
+    let mut found = Vpls {
+        near,
+        ..Vpls::default()
+    };
     if lamps == 0 {
         return found;
     }
-    let (starts, turns) = (Recurrence::<4>::new(), Recurrence::<7>::new());
     for path in 0..paths as u32 {
-        let [a, b, c, d] = starts.at(path);
-        let lamp = path as usize % lamps;
-        if let Some((mut origin, mut direction, mut flux)) = moment.emit(lamp, [a, b], [c, d]) {
+        let (lamp, number) = (path as usize % lamps, path / lamps as u32);
+        let point = |purpose: u32| {
+            let salt = purpose * lamps as u32 + lamp as u32;
+            spread(number, salt)
+        };
+        if let Some((mut origin, mut direction, mut flux)) = moment.emit(lamp, point(0), point(1)) {
             flux *= lamps as f32 / paths as f32;
             for depth in 0..DEPTH {
+                found.rays += 1;
                 let Some(struck) = moment.closest(origin, direction) else {
                     break;
                 };
@@ -150,16 +166,15 @@ pub(crate) fn scatter(moment: &Moment<'_>, paths: usize, near: f32) -> Vpls {
                     place: struck.place,
                     normal: struck.flat,
                     intensity: flux / PI,
-                    near: near * near,
                 });
-                let [.., e, f, roulette] = turns.at(path * DEPTH + depth);
+                let [roulette, _] = point(2 * depth + 2);
                 let survives = albedo.max_element().min(1.0);
                 if roulette >= survives {
                     break;
                 }
                 flux /= survives;
                 origin = struck.clear();
-                direction = cosine(struck.flat, [e, f]);
+                direction = cosine(struck.flat, point(2 * depth + 3));
             }
         }
         found.ends.push(found.lights.len());

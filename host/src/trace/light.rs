@@ -170,6 +170,17 @@ impl Lamp {
         }
     }
 
+    /// The middle and the radius of a disc of its area, metres; `None` for directional light.
+    pub(crate) fn ball(&self, place: &Place) -> Option<(Vec3, f32)> {
+        if let Shape::Punctual(light) = &self.shape
+            && light.kind == LightKind::Directional
+        {
+            return None;
+        }
+        let radius = (place.total * std::f32::consts::FRAC_1_PI).sqrt();
+        Some((place.position, radius))
+    }
+
     /// Its node.
     pub(crate) fn node(&self) -> usize {
         self.node

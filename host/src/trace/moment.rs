@@ -88,6 +88,13 @@ impl<'a> Moment<'a> {
     /// The same with care for effects, and what these told.
     #[must_use]
     pub fn look_with(&self, pixel: Vec2, seed: u32, care: Care) -> (Hit, Told) {
+        clamped(self.look_unclamped(pixel, seed, care))
+    }
+
+    /// The same with linear light as it is estimated, which may be brighter than white: what
+    /// averages to the truth.
+    #[must_use]
+    pub fn look_unclamped(&self, pixel: Vec2, seed: u32, care: Care) -> (Hit, Told) {
         let direction = self.camera.direction(pixel);
         if self.camera.aperture > 0.0 {
             self.look_through_lens(direction, seed, care)
@@ -106,7 +113,7 @@ impl<'a> Moment<'a> {
     /// The same with care for effects, and what these told.
     #[must_use]
     pub fn look_along_with(&self, direction: Vec3, seed: u32, care: Care) -> (Hit, Told) {
-        self.sample(self.camera.eye, direction, seed, care)
+        clamped(self.sample(self.camera.eye, direction, seed, care))
     }
 
     /// Thin lens (Cook, Porter and Carpenter 1984, §4.1). The hit is reported on the ray through
@@ -161,7 +168,7 @@ impl<'a> Moment<'a> {
                 let end = struck.t * length;
                 let colour = shader.through_medium(origin, path.direction, end, colour, Vec3::ONE);
                 Hit {
-                    colour: colour.clamp(Vec3::ZERO, Vec3::ONE),
+                    colour,
                     object: struck.spot.object,
                     local: struck.local,
                     depth: struck.t * along,
@@ -174,7 +181,7 @@ impl<'a> Moment<'a> {
                 let end = f32::INFINITY;
                 let colour = shader.through_medium(origin, direction, end, sky, Vec3::ONE);
                 Hit {
-                    colour: colour.clamp(Vec3::ZERO, Vec3::ONE),
+                    colour,
                     object: SKY,
                     local: direction,
                     depth: f32::INFINITY,
@@ -213,8 +220,18 @@ impl<'a> Moment<'a> {
 
     /// The nearest surface that stops light.
     pub(crate) fn closest(&self, origin: Vec3, direction: Vec3) -> Option<Struck> {
+        self.closest_within(origin, direction, f32::INFINITY)
+    }
+
+    /// The same before `origin + direction·tmax`.
+    pub(crate) fn closest_within(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        tmax: f32,
+    ) -> Option<Struck> {
         let world = self.world;
-        let mut ray = Ray::new_inf(origin.into(), direction.into());
+        let mut ray = Ray::new(origin.into(), direction.into(), 0.0, tmax);
         let stops = |a: &Attributes, uv: Vec2| self.opaque(a, uv);
         let mut best: Option<(Part, Met)> = None;
         if let Some(met) = world.fixed.closest(ray, stops) {
@@ -376,8 +393,14 @@ impl<'a> Moment<'a> {
     }
 }
 
+/// A hit as it can be displayed.
+fn clamped((mut hit, told): (Hit, Told)) -> (Hit, Told) {
+    hit.colour = hit.colour.clamp(Vec3::ZERO, Vec3::ONE);
+    (hit, told)
+}
+
 /// Bits of a direction, so that rays with the same seed differ.
-fn scramble(direction: Vec3) -> u32 {
+pub(crate) fn scramble(direction: Vec3) -> u32 {
     let [x, y, z] = direction.to_array().map(f32::to_bits);
     x ^ y.rotate_left(11).wrapping_mul(0x9e37_79b1) ^ z.rotate_left(21).wrapping_mul(0x85eb_ca77)
 }

@@ -142,28 +142,14 @@ impl<'a> Shader<'a> {
         let (mut sum, mut brought) = (Vec3::ZERO, [0.0; MOST]);
         for (i, brought) in brought[..rays].iter_mut().enumerate() {
             let point = self.points.next(Purpose::Light, i);
-            let light = self.virtual_light(struck, point);
+            let vpls = &self.moment.world.vpls;
+            let rays = &mut self.rays.indirect;
+            let light = self.moment.virtual_light(vpls, struck, point, rays);
             *brought = luminance(light * weight);
             sum += light;
         }
         self.told.add(INDIRECT, &brought[..rays]);
         sum / rays as f32
-    }
-
-    /// The same from one that two numbers in 0..1 choose.
-    fn virtual_light(&mut self, struck: &Struck, point: [f32; 2]) -> Vec3 {
-        let vpls = &self.moment.world.vpls;
-        let Some((towards, distance, light)) = vpls.choose(struck.place, struck.smooth, point)
-        else {
-            return Vec3::ZERO;
-        };
-        self.rays.indirect += 1;
-        let origin = struck.clear();
-        if self.moment.blocked(origin, towards, distance * 0.999) {
-            return Vec3::ZERO;
-        }
-        let passing = self.moment.between(origin, towards, distance);
-        light * (passing * FRAC_1_PI)
     }
 
     /// Light that is not reflected diffusely: emission, mirror and glass; and the share that
@@ -387,7 +373,7 @@ impl<'a> Shader<'a> {
     }
 
     /// What arrives at `origin` of `light` from `end` metres along the unit `direction`, with
-    /// what the medium adds on the way: few places in it, and all lamps from there.
+    /// what the medium adds on the way: for each lamp, from few places in it.
     pub(crate) fn through_medium(
         &mut self,
         origin: Vec3,
@@ -416,14 +402,20 @@ impl<'a> Shader<'a> {
         };
         let count = self.care.of(MEDIUM);
         let (mut sum, mut brought) = (Vec3::ZERO, [0.0; MOST]);
-        for (i, brought) in brought[..count].iter_mut().enumerate() {
-            let [at, _] = self.points.next(Purpose::Place, i);
-            let (s, metres) = medium.distance(inside.length(), at);
-            let place = origin + direction * (inside.from + s);
-            let point = self.points.next(Purpose::Glow, i);
-            let (thrown, ..) = moment.thrown(place, direction, point, &mut self.rays.medium);
-            *brought = luminance(thrown * metres * weight);
-            sum += thrown * metres;
+        let start = origin + direction * inside.from;
+        for lamp in 0..moment.lamp_count() {
+            let source = moment.source(lamp, start, direction);
+            for (i, brought) in brought[..count].iter_mut().enumerate() {
+                let [at, _] = self.points.next(Purpose::Place(lamp), i);
+                let (s, metres) = medium.place(inside.length(), source, at);
+                let point = self.points.next(Purpose::Glow(lamp), i);
+                let place = start + direction * s;
+                let rays = &mut self.rays.medium;
+                if let Some(thrown) = moment.thrown(lamp, place, direction, point, rays) {
+                    *brought += luminance(thrown.light * metres * weight);
+                    sum += thrown.light * metres;
+                }
+            }
         }
         self.told.add(MEDIUM, &brought[..count]);
         sum / count as f32

@@ -14,6 +14,7 @@ use glam::{Affine3A, Mat4, Vec2, Vec3, Vec3A};
 use obvhs::aabb::Aabb;
 use unframed_wire::SKY;
 
+use super::Rays;
 use super::camera::Camera;
 use super::check::{WorldError, check};
 use super::epoch::{Epoch, Knot, sweep};
@@ -284,6 +285,15 @@ impl World {
         let middle = self.moment(0.5 * (t0 + t1));
         if middle.indirect() {
             self.vpls = vpl::scatter(&middle, vpl::PATHS, vpl::NEAR);
+        }
+    }
+
+    /// Rays that preparing the stretch took.
+    #[must_use]
+    pub fn preparation(&self) -> Rays {
+        Rays {
+            indirect: self.vpls.rays,
+            ..Rays::default()
         }
     }
 

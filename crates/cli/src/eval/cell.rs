@@ -62,7 +62,7 @@ impl Settings {
 pub struct Job {
     /// The scene as typed.
     pub scene: String,
-    /// Key of its contents.
+    /// Key of the references that it is compared with.
     pub scene_key: String,
     /// The method.
     pub method: EvalMethod,

@@ -14,8 +14,13 @@ use super::store::{Key, slug, write_whole};
 use crate::measure::REFRESH_HZ;
 use crate::report::picture::png_bytes;
 
-/// Raise this when the tracer or the classes change: old files are not used any more.
-const VERSION: u32 = 2;
+/// Raise this when the classes change: old files are not used any more. What the tracer makes of
+/// the scene is in the key ([`probe`]).
+const VERSION: u32 = 3;
+/// Side of the picture that stands for the tracer in the key, pixels.
+const PROBE: u32 = 32;
+/// Its instants, seconds.
+const PROBED: [f64; 2] = [0.0, 0.7];
 /// "A moment ago", for pixel classes, seconds.
 const MOMENT_AGO: f64 = 0.1;
 /// The colours around (3 × 3 pixels) of a textured pixel span this many levels of 255.
@@ -40,6 +45,7 @@ pub struct Reference {
 #[derive(Clone, Debug)]
 pub struct Cache {
     dir: PathBuf,
+    key: Key,
     width: u32,
     height: u32,
     grid: u32,
@@ -56,21 +62,29 @@ impl Cache {
     /// samples a pixel. Makes the directory.
     ///
     /// # Errors
-    /// Names the directory.
+    /// Names the directory, or says what is wrong with the scene.
     pub fn new(root: &Path, name: &str, world: &World, grid: u32) -> Result<Self> {
         let [width, height] = world.size();
         let key = Key::of_scene(world.scene()).with(format_args!(
-            "{width} {height} {REFRESH_HZ} {grid} {MOMENT_AGO} {VERSION}"
+            "{width} {height} {REFRESH_HZ} {grid} {MOMENT_AGO} {VERSION} {}",
+            probe(world, grid)?
         ));
         let dir = root.join(format!("{}-{key}", slug(name)));
         std::fs::create_dir_all(&dir)
             .with_context(|| format!("cannot make the directory {}", dir.display()))?;
         Ok(Self {
             dir,
+            key,
             width,
             height,
             grid,
         })
+    }
+
+    /// Of all that the references depend on.
+    #[must_use]
+    pub fn key(&self) -> Key {
+        self.key
     }
 
     /// Where its files are.
@@ -123,6 +137,14 @@ impl Cache {
     fn class_path(&self, index: u32) -> PathBuf {
         self.dir.join(format!("classes-{index:05}.bin"))
     }
+}
+
+/// A key of what the tracer makes of the scene: of small ideal images. A change to what is traced
+/// that moves light by a thousandth shows in hundreds of their 6144 codes.
+fn probe(world: &World, grid: u32) -> Result<Key> {
+    let mut world = World::new(world.scene().clone(), [PROBE; 2])?;
+    let codes = PROBED.map(|t| ideal(&mut world, t, grid));
+    Ok(Key::of_bytes(codes.concat().as_flattened()))
 }
 
 /// An RGB picture of this size, else nothing.

@@ -10,7 +10,6 @@ use super::cell::{Job, Settings};
 use super::ideals::{Cache, Reference, instant};
 use super::methods::EvalMethod;
 use super::probes;
-use super::store::Key;
 use crate::args::{EvalArgs, EvalTable};
 use crate::measure::{IDEAL_GRID, REFRESH_HZ};
 
@@ -232,7 +231,7 @@ fn add(args: &EvalArgs, stage: &mut Stage, method: EvalMethod, rate: u32) {
         let seed = if method.is_random() { seed } else { 1 };
         let job = Job {
             scene: stage.name.clone(),
-            scene_key: Key::of_scene(stage.world.scene()).to_string(),
+            scene_key: stage.cache.key().to_string(),
             method,
             rate: if method.is_tenfold() { tenfold } else { rate },
             seed,

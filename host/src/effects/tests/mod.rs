@@ -1,11 +1,14 @@
 //! Effects against closed forms and their convergence; [`ledger`]: what is not called for.
 
-use glam::{Vec2, Vec3};
+use glam::{Affine3A, Vec2, Vec3};
 
+use super::area::Surface;
+use super::medium::Source;
 use crate::scene::builtin::{EFFECTS, builtin};
-use crate::scene::model::{Medium, Scene};
+use crate::scene::model::{Medium, Primitive, Scene};
 use crate::trace::{Rays, World};
 
+mod convergence;
 mod ledger;
 
 const SIZE: [u32; 2] = [32, 32];
@@ -112,18 +115,80 @@ fn pixel(scene: &Scene, at: Vec2, n: u32, first: u32) -> f32 {
     sum / n as f32
 }
 
-/// The pixel whose red varies most from look to look.
-fn noisiest(scene: &Scene) -> Vec2 {
-    let world = World::new(scene.clone(), SIZE).expect("a sound scene");
-    let moment = world.moment(0.0);
-    let spread = |i: u32| {
-        let at = Vec2::new((i % SIZE[0]) as f32, (i / SIZE[0]) as f32) + 0.5;
-        let looks: Vec<f32> = (0..16).map(|k| moment.look(at, k).colour.x).collect();
-        let mean = looks.iter().sum::<f32>() / 16.0;
-        (looks.iter().map(|x| (x - mean).powi(2)).sum::<f32>(), at)
+#[test]
+fn places_in_a_medium_give_its_integral_whatever_they_are_drawn_to() {
+    // ∫ exp(−σt·s)·f(s) ds for light that is strongest near a lamp, by the midpoint rule and by
+    // places; thin and thick, a lamp beside the stretch, before it and far away.
+    let (length, n) = (4.0f32, 20_000);
+    let midpoints = || (0..n).map(|i| (i as f32 + 0.5) / n as f32);
+    for density in [0.05f32, 1.0, 6.0] {
+        let medium = Medium {
+            sigma_s: density,
+            sigma_a: 0.0,
+            ..MIST
+        };
+        for (foot, reach) in [(3.0f32, 0.05f32), (-1.0, 0.5), (40.0, 9.0)] {
+            let light = |s: f32| 1.0 / (reach * reach + (s - foot).powi(2));
+            let expected: f32 = midpoints()
+                .map(|at| light(at * length) * medium.transmittance(at * length))
+                .sum::<f32>()
+                / n as f32
+                * length;
+            for source in [Source::Near { foot, reach }, Source::Far] {
+                let found: Vec<f32> = midpoints()
+                    .map(|at| medium.place(length, source, at))
+                    .map(|(s, metres)| light(s) * metres)
+                    .collect();
+                let mean = found.iter().sum::<f32>() / n as f32;
+                let off = (mean / expected - 1.0).abs();
+                assert!(off < 0.01, "{density} {source:?}: {mean} {expected}");
+                // What is drawn to the lamp is bounded, however near the ray passes.
+                let most = found.iter().fold(0.0, |a: f32, &b| a.max(b));
+                if source != Source::Far && density < 6.0 {
+                    assert!(most < 8.0 * mean, "{density} {source:?}: {most} {mean}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn an_area_light_is_as_bright_from_near_by_as_its_form_factor() {
+    // The irradiance under the middle of a square of side 2a at height h (as below), by points of
+    // the area from afar and by directions from near by, where no point stands for more than
+    // the whole sky.
+    let square = Primitive {
+        positions: [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
+            .map(|[x, z]| Vec3::new(x, 0.0, z))
+            .into(),
+        indices: vec![[0, 1, 2], [0, 2, 3]],
+        ..Primitive::default()
     };
-    let all = (0..SIZE[0] * SIZE[1]).map(spread);
-    all.max_by(|a, b| a.0.total_cmp(&b.0)).expect("pixels").1
+    let surface = Surface::new(&square, false).expect("not empty");
+    for h in [8.0f32, 1.0, 0.1, 0.003] {
+        let from = Vec3::new(0.0, -h, 0.0);
+        let (mut sum, mut most, n) = (0.0, 0.0f32, 256);
+        for i in 0..n * n {
+            let at = [i % n, i / n].map(|k| (k as f32 + 0.5) / n as f32);
+            let (offset, stands_for) = surface
+                .seen(at, &Affine3A::IDENTITY, surface.total, from)
+                .expect("from the front");
+            assert!(
+                (offset.y - h).abs() < 1e-3 * offset.length(),
+                "on the square"
+            );
+            sum += stands_for * offset.normalize().y;
+            most = most.max(stands_for);
+        }
+        let c = (1.0 + h * h).sqrt();
+        let (found, expected) = (sum / (n * n) as f32, 4.0 / c * (1.0 / c).atan());
+        assert!(
+            (found / expected - 1.0).abs() < 0.01,
+            "{h}: {found} {expected}"
+        );
+        // Each half of the square is chosen half of the time.
+        assert!(most < 4.0 * std::f32::consts::PI, "{h}: {most}");
+    }
 }
 
 #[test]
@@ -146,28 +211,6 @@ fn an_unblocked_lamp_lights_as_its_form_factor() {
     let (at, _) = world.camera(0.0).project(Vec3::ZERO).expect("in view");
     let found = pixel(&scene, at, 4000, 0);
     assert!((found / expected - 1.0).abs() < 0.01, "{found} {expected}");
-}
-
-#[test]
-fn effects_converge_as_random_samples_do() {
-    // The error falls by √n: a slope of −1/2 in a double logarithm, within a fifth.
-    for name in ["cornell", "slats"] {
-        let scene = builtin(name).expect("built in");
-        let at = noisiest(&scene);
-        let truth = pixel(&scene, at, 200_000, 1 << 20);
-        let errors = [16u32, 256, 4096].map(|n| {
-            let runs = 24;
-            let squares: f32 = (0..runs)
-                .map(|k| (pixel(&scene, at, n, k * 5000) - truth).powi(2))
-                .sum();
-            (squares / runs as f32).sqrt()
-        });
-        let slope = (errors[2] / errors[0]).log2() / 8.0;
-        assert!(
-            (slope + 0.5).abs() < 0.1,
-            "{name}: {errors:?}, slope {slope}"
-        );
-    }
 }
 
 /// The mean over an image.

@@ -20,8 +20,8 @@ const SIDE: u32 = 24;
 const PATHS: u32 = 40_000;
 /// Samples a pixel, or paths from the lamps.
 const STEPS: [u32; 6] = [1, 4, 16, 64, 256, 1024];
-/// Lamps are dimmed by this, so that no sample is clamped.
-const DIMMED: f32 = 0.25;
+/// Paths of virtual lights for each estimate of what they leave out near by.
+const PATHS_A_CORRECTION: u32 = 16;
 
 /// Errors by number of samples.
 struct Curve {
@@ -49,22 +49,23 @@ impl Curve {
 /// A file cannot be written.
 pub(super) fn convergence(out: &Path) -> Result<Value> {
     let mut curves = Vec::new();
-    for (name, scene) in [("soft shadows", "forest"), ("medium", "forest-mist")] {
-        let scene = dimmed(scene)?;
-        // A sample is clamped to white, which here only the lamp itself exceeds.
-        let truth: Vec<Vec3> = (reference(&mut world(&scene)?, 0.0, PATHS).into_iter())
-            .map(|light| light.min(Vec3::ONE))
-            .collect();
+    for (name, scene) in [
+        ("soft shadows", "forest"),
+        ("medium", "forest-mist"),
+        ("medium and all else", "slats-direct"),
+    ] {
+        let scene = subject(scene)?;
+        let truth = reference(&mut world(&scene)?, 0.0, PATHS);
         for (points, pattern) in [("random", false), ("sequence", true)] {
             let name = format!("{name}, {points}");
             curves.push(looks(name, &scene, &truth, pattern)?);
         }
     }
-    curves.push(lights()?);
+    curves.extend(lights()?);
     let mut plot = Plot::new(
         "Error against the path tracer",
         Axis::new("samples a pixel, or paths from the lamps", Scale::Log),
-        Axis::new("RMSE, of the mean", Scale::Log),
+        Axis::new("relative RMSE", Scale::Log),
     );
     let mut slopes = serde_json::Map::new();
     for curve in curves {
@@ -82,12 +83,9 @@ pub(super) fn convergence(out: &Path) -> Result<Value> {
     Ok(Value::Object(slopes))
 }
 
-fn dimmed(name: &str) -> Result<Scene> {
-    let mut scene = builtin(name).context("a built-in scene")?;
-    scene
-        .materials
-        .iter_mut()
-        .for_each(|m| m.emissive *= DIMMED);
+fn subject(name: &str) -> Result<Scene> {
+    let mut scene = builtin(name.trim_end_matches("-direct")).context("a built-in scene")?;
+    scene.indirect = false;
     Ok(scene)
 }
 
@@ -109,7 +107,7 @@ fn looks(name: String, scene: &Scene, truth: &[Vec3], pattern: bool) -> Result<C
                 let pixel = Vec2::new((i % SIDE) as f32, (i / SIDE) as f32) + 0.5;
                 let sum: Vec3 = (0..n)
                     // Each pixel has a sequence of its own.
-                    .map(|k| moment.look_with(pixel, i << 16 | k, care).0.colour)
+                    .map(|k| moment.look_unclamped(pixel, i << 16 | k, care).0.colour)
                     .sum();
                 sum / n as f32
             })
@@ -122,36 +120,37 @@ fn looks(name: String, scene: &Scene, truth: &[Vec3], pattern: bool) -> Result<C
     })
 }
 
-/// Indirect light by ever more virtual lights, which grow ever stronger near by.
-fn lights() -> Result<Curve> {
-    let scene = dimmed("cornell")?;
+/// Indirect light by ever more virtual lights, with and without what these leave out near by.
+fn lights() -> Result<Vec<Curve>> {
+    let scene = builtin("cornell").context("a built-in scene")?;
     let mut without = scene.clone();
     without.indirect = false;
     without.sky.ambient = Vec3::ZERO;
     let [with, without] = [
-        reference(&mut world(&scene)?, 0.0, PATHS / 4),
-        reference(&mut world(&without)?, 0.0, PATHS / 4),
+        reference(&mut world(&scene)?, 0.0, PATHS),
+        reference(&mut world(&without)?, 0.0, PATHS),
     ];
     let truth: Vec<Vec3> = with.iter().zip(&without).map(|(a, b)| *a - *b).collect();
     let mut world = world(&scene)?;
-    let points = STEPS.map(|n| {
-        let paths = 16 * n;
-        let near = 0.3 * (128.0 / paths as f32).sqrt();
-        let found = indirect_alone(&mut world, 0.0, paths as usize, near);
-        (f64::from(paths), error(&found, &truth))
+    let curves = [("corrected", true), ("lights alone", false)].map(|(name, corrected)| Curve {
+        name: format!("indirect diffuse, {name}"),
+        points: STEPS
+            .map(|n| {
+                let paths = PATHS_A_CORRECTION * n;
+                let corrections = if corrected { n } else { 0 };
+                let found = indirect_alone(&mut world, 0.0, paths as usize, corrections);
+                (f64::from(paths), error(&found, &truth))
+            })
+            .to_vec(),
     });
-    Ok(Curve {
-        name: "indirect diffuse".into(),
-        points: points.to_vec(),
-    })
+    Ok(curves.into())
 }
 
-/// Root of the mean squared difference over the mean, linear light.
+/// Root of the mean squared difference, relative to the truth and its mean: else the few pixels
+/// around a lamp would be all that counts.
 fn error(found: &[Vec3], truth: &[Vec3]) -> f64 {
-    let squares: f32 = (found.iter().zip(truth))
-        .map(|(a, b)| (*a - *b).length_squared())
-        .sum();
-    let mean: f32 = truth.iter().map(|light| light.element_sum()).sum();
-    let count = 3.0 * truth.len() as f64;
-    (f64::from(squares) / count).sqrt() / (f64::from(mean) / count)
+    let mean = truth.iter().sum::<Vec3>() / truth.len() as f32;
+    let apart = |(a, b): (&Vec3, &Vec3)| ((*a - *b) / (*b + mean)).length_squared();
+    let squares: f32 = found.iter().zip(truth).map(apart).sum();
+    (f64::from(squares) / (3 * truth.len()) as f64).sqrt()
 }
