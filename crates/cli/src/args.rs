@@ -278,9 +278,9 @@ pub struct EvalArgs {
 /// `unframed cost`
 #[derive(Debug, Clone, Args)]
 pub struct CostArgs {
-    /// A .glb or .gltf file, or a built-in scene.
-    #[arg(default_value = "interactive")]
-    pub scene: String,
+    /// .glb or .gltf files, or built-in scenes: each setting is measured on all of them.
+    #[arg(value_name = "SCENE", default_values = ["interactive", "walkthrough", "toycar"])]
+    pub scenes: Vec<String>,
     /// Panel size in pixels, WIDTHxHEIGHT. Rates and memories are set by the pixel.
     #[arg(long, default_value = "128x128", value_parser = parse_size)]
     pub size: Size,
@@ -297,7 +297,8 @@ pub struct CostArgs {
     #[arg(long)]
     pub presets_only: bool,
     /// Find the best preset for a machine, such as "cortex-m7@480MHz link=20Mbit/s ram=1MiB
-    /// 128x128@60Hz"; `this` instead of a core and its clock is this machine. Can be repeated.
+    /// 128x128@60Hz"; `cpi=1.2` says how many cycles an instruction takes (1 if not said), `this`
+    /// instead of a core and its clock is this machine. Can be repeated.
     #[arg(long)]
     pub budget: Vec<String>,
     /// Points that are measured at once; all cores without this.
@@ -359,7 +360,8 @@ pub struct FirmwareRunArgs {
     /// Compute in f32 instead of integers, for comparison.
     #[arg(long)]
     pub f32: bool,
-    /// How the display reconstructs: adaptive, adaptive-constant, uniform, paper, frameless.
+    /// How the display reconstructs: adaptive, adaptive-constant, uniform, paper or frameless, and
+    /// what differs from it: adaptive,fit=mean,hidden=off,width=-295,lifetime=tiles,kernel=gaussian.
     #[arg(long, default_value = "adaptive")]
     pub method: String,
     /// Samples that the display remembers, at most 65536.

@@ -5,7 +5,7 @@ use crate::Failure;
 use crate::host::{Handle, Mode};
 use core::ffi::CStr;
 
-/// What to do: `METHOD SAMPLES`, a name of [`unframed_recon::config::NAMED`] and how many samples
+/// What to do: `CONFIG SAMPLES`, what [`unframed_recon::Config::parse`] reads and how many samples
 /// are remembered.
 pub const JOB: &CStr = c"job";
 /// The stream to play.

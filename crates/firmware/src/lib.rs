@@ -27,7 +27,7 @@ use semihosting::process::ExitCode;
 pub enum Failure {
     /// A file cannot be read or written.
     File = 3,
-    /// The job's first line is not `METHOD SAMPLES`.
+    /// The job's first line is not `CONFIG SAMPLES`.
     Job = 4,
     /// The stream has no Hello.
     NoHello = 5,

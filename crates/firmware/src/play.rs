@@ -3,7 +3,6 @@
 use crate::Failure;
 use crate::board::{Counter, paint_stack, stack_used};
 use crate::files::{FRAMES, JOB, Line, Output, PICTURE, each_chunk, read_small};
-use unframed_recon::config::NAMED;
 use unframed_recon::memory::Memory;
 use unframed_recon::{Arith, Config, Display, frame_hash};
 use unframed_wire::{Hello, Packet, Receiver};
@@ -25,18 +24,15 @@ impl Job {
     /// # Errors
     /// [`Failure::File`], [`Failure::Job`], [`Failure::NoHello`].
     pub fn read() -> Result<Self, Failure> {
-        let mut buffer = [0; 64];
+        let mut buffer = [0; 160];
         let text = read_small(JOB, &mut buffer)?;
         let mut words = text.trim_ascii().splitn(2, |byte| *byte == b' ');
         let name = words.next().ok_or(Failure::Job)?;
-        let (_, config) = NAMED
-            .iter()
-            .find(|(known, _)| known.as_bytes() == name)
-            .ok_or(Failure::Job)?;
+        let config = Config::parse(name).ok_or(Failure::Job)?;
         let samples = decimal(words.next().ok_or(Failure::Job)?).ok_or(Failure::Job)?;
         let hello = first_hello()?.ok_or(Failure::NoHello)?;
         Ok(Self {
-            config: *config,
+            config,
             samples,
             hello,
         })

@@ -1,6 +1,8 @@
 //! What the display does with the samples: every part can be switched off, so that its worth can
 //! be measured.
 
+mod text;
+
 /// How samples become a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
@@ -146,7 +148,7 @@ impl Config {
     };
 }
 
-/// Configurations by name: what a job for the firmware can ask for.
+/// Configurations by name: what a job for the firmware starts from, see [`Config::parse`].
 pub const NAMED: [(&str, Config); 5] = [
     ("adaptive", Config::ADAPTIVE),
     (

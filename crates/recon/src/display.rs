@@ -38,6 +38,12 @@ pub struct Counts {
     pub refreshes: u64,
 }
 
+/// The first `len` entries of a slice that was found to be long enough: no path that panics, even
+/// where a compiler does not see that.
+fn first<T>(slice: &mut [T], len: usize) -> &mut [T] {
+    slice.get_mut(..len).unwrap_or(&mut [])
+}
+
 /// A display with its storage.
 #[derive(Debug)]
 pub struct Display<'a, A: Arith, W: Workers = Alone> {
@@ -121,18 +127,18 @@ impl<'a, A: Arith, W: Workers> Display<'a, A, W> {
             projected: memory.projected,
             sorted: memory.sorted,
             starts: memory.starts,
-            minima: &mut memory.minima[..hidden::minima_len(width, height)],
-            limits: &mut memory.limits[..pixels],
-            movers: &mut memory.movers[..pixels],
-            mass: &mut memory.mass[..pixels],
-            widths: &mut memory.widths[..pixels],
-            sums: &mut memory.sums[..pixels],
-            moments: &mut memory.moments[..moments],
-            texels: &mut memory.texels[..pixels],
+            minima: first(memory.minima, hidden::minima_len(width, height)),
+            limits: first(memory.limits, pixels),
+            movers: first(memory.movers, pixels),
+            mass: first(memory.mass, pixels),
+            widths: first(memory.widths, pixels),
+            sums: first(memory.sums, pixels),
+            moments: first(memory.moments, moments),
+            texels: first(memory.texels, pixels),
             pyramid: memory.pyramid,
-            means: memory.means.get_mut(..means).unwrap_or(&mut []),
+            means: first(memory.means, means),
             slots: memory.slots,
-            picture: &mut memory.picture[..pixels],
+            picture: first(memory.picture, pixels),
             hello: None,
             view: None,
             composed: false,

@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::{env, fs};
+use std::{env, fs, io};
 
 use super::{BoardError, Target};
 
@@ -41,6 +41,33 @@ impl Image {
             Self::PlayF32 => "float",
             Self::Panel => "panel,panics",
         }
+    }
+}
+
+/// What the image `fitted` has room for: one panel, one preset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Fitted {
+    /// Pixels a row.
+    pub width: u16,
+    /// Rows.
+    pub height: u16,
+    /// Samples remembered.
+    pub samples: usize,
+    /// Objects, and one for the sky.
+    pub slots: usize,
+    /// Whether planes are fitted.
+    pub planes: bool,
+}
+
+impl Fitted {
+    fn environment(&self) -> [(&'static str, usize); 5] {
+        [
+            ("UNFRAMED_WIDTH", self.width.into()),
+            ("UNFRAMED_HEIGHT", self.height.into()),
+            ("UNFRAMED_SAMPLES", self.samples),
+            ("UNFRAMED_SLOTS", self.slots),
+            ("UNFRAMED_PLANES", self.planes.into()),
+        ]
     }
 }
 
@@ -88,6 +115,40 @@ impl Firmware {
         target: Target,
         features: &str,
     ) -> Result<PathBuf, BoardError> {
+        self.cargo(image.name(), target, features, &[])
+    }
+
+    /// Builds the image that has room for this and nothing else; the path of its ELF file, which
+    /// no other build overwrites.
+    ///
+    /// # Errors
+    /// As for [`Firmware::build`], and [`BoardError::File`].
+    pub fn build_fitted(&self, target: Target, fitted: &Fitted) -> Result<PathBuf, BoardError> {
+        let dir = self.source.join("target/fitted");
+        let failed = |error: io::Error| BoardError::File {
+            file: dir.display().to_string(),
+            reason: error.to_string(),
+        };
+        fs::create_dir_all(&dir).map_err(failed)?;
+        // All sizes have one name at cargo: nobody else may build before this one is put away.
+        let lock = fs::File::create(dir.join("lock")).map_err(failed)?;
+        lock.lock().map_err(failed)?;
+        let sizes = fitted.environment();
+        let words = sizes.map(|(name, value)| (name, value.to_string()));
+        let elf = self.cargo("fitted", target, "fitted", &words)?;
+        let name = sizes.map(|(_, value)| value.to_string()).join("-");
+        let kept = dir.join(format!("{}-{name}", target.triple()));
+        fs::copy(elf, &kept).map_err(failed)?;
+        Ok(kept)
+    }
+
+    fn cargo(
+        &self,
+        image: &'static str,
+        target: Target,
+        features: &str,
+        environment: &[(&str, String)],
+    ) -> Result<PathBuf, BoardError> {
         let mut cargo = Command::new("cargo");
         // What a surrounding cargo says concerns another build.
         for (name, _) in env::vars_os() {
@@ -109,8 +170,9 @@ impl Firmware {
             "--color",
             "never",
         ]);
-        cargo.args(["--bin", image.name(), "--target", triple]);
+        cargo.args(["--bin", image, "--target", triple]);
         cargo.args(["--features", features]);
+        cargo.envs(environment.iter().map(|(name, value)| (name, value)));
         if !rustup_has(triple) {
             self.use_debian(&mut cargo, triple)?;
         }
@@ -121,12 +183,12 @@ impl Firmware {
         if !output.status.success() {
             let text = String::from_utf8_lossy(&output.stderr);
             return Err(BoardError::Build {
-                image: image.name(),
+                image,
                 target: triple,
                 output: text.trim_end().to_owned(),
             });
         }
-        let elf = format!("target/{triple}/release/{}", image.name());
+        let elf = format!("target/{triple}/release/{image}");
         Ok(self.source.join(elf))
     }
 

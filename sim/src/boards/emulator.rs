@@ -12,7 +12,7 @@ use super::{Board, BoardError};
 pub struct Job<'a> {
     /// The stream.
     pub stream: &'a [u8],
-    /// A name of [`unframed_recon::config::NAMED`].
+    /// What the display does, as [`unframed_recon::Config::parse`] reads it.
     pub method: &'a str,
     /// Samples remembered.
     pub samples: usize,
@@ -93,8 +93,21 @@ impl Board {
         Ok(report)
     }
 
-    fn emulate(self, elf: &Path, dir: &Path, timeout: Duration) -> Result<(), BoardError> {
-        let (program, package, machine): (_, _, &[&str]) = match self {
+    /// Whether there is an emulator of the board.
+    ///
+    /// # Errors
+    /// [`BoardError::Missing`] with what to install.
+    pub fn emulator_is_there(self) -> Result<(), BoardError> {
+        let (program, package, _) = self.emulator();
+        let version = Command::new(program).arg("--version").output();
+        version
+            .map(|_| ())
+            .map_err(|error| missing(program, package, &error))
+    }
+
+    /// The program, the package that has it, its arguments.
+    fn emulator(self) -> (&'static str, &'static str, &'static [&'static str]) {
+        match self {
             Self::CortexM4F => (
                 "qemu-system-arm",
                 "qemu-system-arm",
@@ -112,7 +125,11 @@ impl Board {
                     "-M", "virt", "-cpu", "rv32", "-bios", "none", "-icount", "shift=0",
                 ],
             ),
-        };
+        }
+    }
+
+    fn emulate(self, elf: &Path, dir: &Path, timeout: Duration) -> Result<(), BoardError> {
+        let (program, package, machine) = self.emulator();
         let child = Command::new(program)
             .args(machine)
             .args(["-nographic", "-monitor", "none", "-serial", "none"])
@@ -123,10 +140,7 @@ impl Board {
             .stdout(Stdio::null())
             .stderr(Stdio::piped())
             .spawn();
-        let child = child.map_err(|error| BoardError::Missing {
-            what: format!("{program} ({error})"),
-            remedy: format!("apt-get install {package}"),
-        })?;
+        let child = child.map_err(|error| missing(program, package, &error))?;
         let status = wait(child, timeout).map_err(|reason| self.failed(reason))?;
         match status {
             0 => Ok(()),
@@ -166,6 +180,13 @@ fn wait(mut child: Child, timeout: Duration) -> Result<i32, String> {
             }
             Err(error) => return Err(error.to_string()),
         }
+    }
+}
+
+fn missing(program: &str, package: &str, error: &io::Error) -> BoardError {
+    BoardError::Missing {
+        what: format!("{program} ({error})"),
+        remedy: format!("apt-get install {package}"),
     }
 }
 

@@ -10,7 +10,7 @@ mod build;
 pub mod elf;
 mod emulator;
 
-pub use build::{Firmware, Image};
+pub use build::{Firmware, Fitted, Image};
 pub use emulator::{Job, Report, Shown};
 
 /// An emulated board.

@@ -3,13 +3,19 @@
 use anyhow::{Context, Result, bail};
 use serde_json::json;
 
+use unframed_host::scene::Scene;
+use unframed_host::trace::World;
+
 use super::{bar, make_out};
-use crate::args::CostArgs;
+use crate::args::{CostArgs, Size};
 use crate::cost::budget::{Answer, Budget, Candidate, solve};
-use crate::cost::knobs::{PRESETS, Planned, Preset, sweeps};
-use crate::cost::study::{Study, WARM_UP};
+use crate::cost::cores::{Core, Cores, or_say};
+use crate::cost::effort::{Effort, Law};
+use crate::cost::forecast::Forecast;
+use crate::cost::knobs::{Knobs, PRESETS, Planned, Preset, sweeps};
+use crate::cost::study::{Study, WARM_UP, parallel};
 use crate::cost::table::{COSTS, Point, csv, factor_per_decibel, points, presets};
-use crate::cost::{page, ram, short};
+use crate::cost::{answer, page, short};
 use crate::eval::store::write_whole;
 use crate::measure::{REFRESH_HZ, open_scene};
 use crate::report::write_file;
@@ -30,36 +36,101 @@ pub fn cost(args: &CostArgs) -> Result<()> {
         || std::thread::available_parallelism().map_or(1, usize::from),
         usize::from,
     );
-    let study = Study {
-        name: args.scene.clone(),
-        world: open_scene(&args.scene, args.size)?,
-        size: args.size,
-        refreshes: ((WARM_UP + args.seconds) * f64::from(REFRESH_HZ)).round() as u32,
-        seed: args.seed,
-        threads,
-        dir: args.out.join("points"),
-    };
-    make_out(&study.dir)?;
+    let points_dir = args.out.join("points");
+    make_out(&points_dir)?;
+    let studies = args
+        .scenes
+        .iter()
+        .map(|scene| {
+            Ok(Study {
+                name: scene.clone(),
+                world: open_scene(scene, args.size)?,
+                size: args.size,
+                refreshes: refreshes(args),
+                seed: args.seed,
+                threads,
+                dir: points_dir.clone(),
+            })
+        })
+        .collect::<Result<Vec<Study>>>()?;
+    let scenes: Vec<&Scene> = studies.iter().map(|study| study.world.scene()).collect();
+    let first = *scenes.first().context("no scene")?;
+    let counted = or_say(Core::CortexM7, first, args.seed, &points_dir)?;
     let progress = bar(0, "cost");
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()
         .context("cannot start the threads of --threads")?;
     let ideals = args.out.join("ideals");
-    let measured = pool.install(|| study.run(&planned, &ideals, args.fresh, &progress))?;
-    progress.finish_and_clear();
-    let points = points(&planned, &measured, study.pixels(), &|_| None);
-    let answers: Vec<Answer> = budgets
+    let measured = studies
+        .iter()
+        .map(|study| pool.install(|| study.run(&planned, &ideals, args.fresh, &progress)))
+        .collect::<Result<Vec<_>>>()?;
+    progress.set_message("instructions");
+    let laws = match &counted {
+        Some(cores) => laws(cores, planned.iter().map(|p| p.knobs), threads)?,
+        None => Vec::new(),
+    };
+    let law = |knobs: &Knobs| {
+        let found = laws.iter().find(|(other, _)| same_display(other, knobs));
+        found.map(|found| found.1)
+    };
+    let pixels = u32::from(args.size.width) * u32::from(args.size.height);
+    let points = points(&planned, &measured, pixels, &law);
+    progress.set_message("budgets");
+    let answers = budgets
         .into_iter()
-        .map(|budget| solve(budget, candidates(&points, &study, &budget)))
-        .collect();
-    write(args, &study, &points, &answers)?;
+        .map(|budget| {
+            let other;
+            let cores = match (budget.core, &counted) {
+                (None, _) => None,
+                (Some(core), Some(cores)) if cores.core() == core => Some(cores),
+                (Some(core), _) => {
+                    other = or_say(core, first, args.seed, &points_dir)?;
+                    other.as_ref()
+                }
+            };
+            Ok(solve(
+                budget,
+                candidates(args, &points, &scenes, &budget, cores, threads)?,
+            ))
+        })
+        .collect::<Result<Vec<Answer>>>()?;
+    progress.finish_and_clear();
+    write(args, pixels, &points, &answers)?;
     tell(&points, &answers);
     println!(
         "numbers, plots and fronts: {}",
         args.out.join("report.html").display()
     );
     Ok(())
+}
+
+fn refreshes(args: &CostArgs) -> u32 {
+    ((WARM_UP + args.seconds) * f64::from(REFRESH_HZ)).round() as u32
+}
+
+/// Whether two settings cost the same for the same work.
+fn same_display(a: &Knobs, b: &Knobs) -> bool {
+    (a.method, a.display) == (b.method, b.display)
+}
+
+/// The law of each display among these settings.
+fn laws(
+    cores: &Cores,
+    settings: impl Iterator<Item = Knobs>,
+    threads: usize,
+) -> Result<Vec<(Knobs, Law)>> {
+    let mut displays: Vec<Knobs> = Vec::new();
+    for knobs in settings {
+        if !displays.iter().any(|other| same_display(other, &knobs)) {
+            displays.push(knobs);
+        }
+    }
+    parallel(threads, displays.len(), |i| {
+        let knobs = displays[i];
+        Ok((knobs, cores.law(knobs.method, knobs.display)?))
+    })
 }
 
 /// What is to be measured: all sweeps, or the presets alone.
@@ -87,43 +158,80 @@ fn planned(args: &CostArgs) -> Result<Vec<Planned>> {
     Ok(wanted.iter().map(point).collect())
 }
 
-/// The presets on the panel of a budget: samples a pixel stay, all else follows.
-fn candidates(points: &[Point], study: &Study, budget: &Budget) -> Vec<Candidate> {
-    let pixels = u32::from(budget.width) * u32::from(budget.height);
-    let scale = f64::from(pixels) / f64::from(study.pixels());
-    presets(points)
-        .into_iter()
-        .filter_map(|point| {
-            let knobs = point.settings();
-            let samples = knobs.samples(pixels);
-            Some(Candidate {
-                preset: point.preset?,
-                rmse: point.rmse,
-                rate: knobs.rate(pixels),
-                samples,
-                bytes_per_second: point.bytes_per_second * scale,
-                ram_bytes: ram::bytes::<unframed_recon::Fixed>(
-                    budget.width,
-                    budget.height,
-                    samples as usize,
-                    knobs.display.fit,
-                    study.world.object_count() + 1,
-                ),
-                display_seconds: point.display_seconds * scale,
-                effort: None,
-            })
-        })
-        .collect()
+/// The presets on the panel of a budget: all scenes must fit, so that the dearest counts.
+fn candidates(
+    args: &CostArgs,
+    points: &[Point],
+    scenes: &[&Scene],
+    budget: &Budget,
+    cores: Option<&Cores>,
+    threads: usize,
+) -> Result<Vec<Candidate>> {
+    let size = Size {
+        width: budget.width,
+        height: budget.height,
+    };
+    let first = (WARM_UP * f64::from(REFRESH_HZ)) as u32;
+    let presets = presets(points);
+    let laws = match cores {
+        Some(cores) => laws(cores, presets.iter().map(|p| *p.settings()), threads)?,
+        None => Vec::new(),
+    };
+    let jobs = presets.len() * scenes.len();
+    let forecasts = parallel(threads, jobs, |i| {
+        let (preset, scene) = (i / scenes.len(), i % scenes.len());
+        let knobs = presets[preset].settings();
+        Forecast::new(
+            knobs,
+            scenes[scene],
+            size,
+            args.seed,
+            refreshes(args),
+            first,
+        )
+    })?;
+    let slots = scenes
+        .iter()
+        .map(|scene| Ok(World::new((*scene).clone(), [1, 1])?.object_count() + 1))
+        .collect::<Result<Vec<usize>>>()?;
+    let candidate = |(point, forecasts): (&&Point, &[Forecast])| {
+        let knobs = *point.settings();
+        let law = laws.iter().find(|(other, _)| same_display(other, &knobs));
+        let efforts: Option<Vec<(Effort, Effort)>> =
+            law.map(|(_, law)| forecasts.iter().map(|f| f.efforts(law)).collect());
+        let most = |f: fn(&Forecast) -> f64| forecasts.iter().map(f).fold(0.0, f64::max);
+        let worst = |f: fn(&(Effort, Effort)) -> Effort| {
+            let all = efforts.iter().flatten().map(f);
+            all.max_by(|a, b| a.total().total_cmp(&b.total()))
+        };
+        let candidate = Candidate {
+            preset: point.preset?,
+            rmse: point.rmse,
+            rate: 0,
+            samples: 0,
+            bytes_per_second: most(|f| f.bytes_per_second),
+            ram_bytes: 0,
+            display_seconds: most(|f| f.display_seconds),
+            mean: worst(|efforts| efforts.0),
+            worst: worst(|efforts| efforts.1),
+            slots: slots.iter().copied().max().unwrap_or(2),
+            panel: (size.width, size.height),
+            knobs,
+        };
+        Some(candidate.on((size.width, size.height)))
+    };
+    let each = presets.iter().zip(forecasts.chunks(scenes.len().max(1)));
+    Ok(each.filter_map(candidate).collect())
 }
 
-fn write(args: &CostArgs, study: &Study, points: &[Point], answers: &[Answer]) -> Result<()> {
+fn write(args: &CostArgs, pixels: u32, points: &[Point], answers: &[Answer]) -> Result<()> {
     let factors: serde_json::Map<String, serde_json::Value> = COSTS
         .iter()
         .map(|(name, cost)| ((*name).to_owned(), json!(factor_per_decibel(points, *cost))))
         .collect();
     let report = json!({
         "settings": {
-            "scene": args.scene,
+            "scenes": args.scenes,
             "size": [args.size.width, args.size.height],
             "seconds": args.seconds,
             "warm_up_seconds": WARM_UP,
@@ -141,11 +249,11 @@ fn write(args: &CostArgs, study: &Study, points: &[Point], answers: &[Answer]) -
     }
     write_file(&args.out.join("points.csv"), csv(points).as_bytes())?;
     let facts = [
-        ("scene", args.scene.clone()),
+        ("scenes", args.scenes.join(", ")),
         ("panel", format!("{}x{}", args.size.width, args.size.height)),
         ("simulated", format!("{} s", args.seconds)),
     ];
-    page::write(points, answers, &facts, study.pixels(), &args.out)?;
+    page::write(points, answers, &facts, pixels, &args.out)?;
     Ok(())
 }
 
@@ -179,6 +287,6 @@ fn tell(points: &[Point], answers: &[Answer]) {
         }
     }
     for answer in answers {
-        println!("{}", page::sentence(answer));
+        println!("{}", answer::sentence(answer));
     }
 }

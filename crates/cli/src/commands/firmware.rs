@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, bail, ensure};
 use serde_json::{Value, json};
+use unframed_recon::Config;
 use unframed_recon::config::NAMED;
 use unframed_sim::boards::elf::Contents;
 use unframed_sim::boards::{Board, Firmware, Image, Job, Report, Target};
@@ -113,14 +114,15 @@ fn line(report: &Report) -> Option<(f64, f64)> {
 }
 
 fn run(source: &Firmware, args: &FirmwareRunArgs) -> Result<()> {
-    let Some((method, _)) = NAMED.iter().find(|(name, _)| *name == args.method) else {
+    let method = &args.method;
+    if Config::parse(method.as_bytes()).is_none() {
         let known: Vec<_> = NAMED.iter().map(|(name, _)| *name).collect();
         bail!(
-            "no method `{}`: choose one of {}",
-            args.method,
+            "no method `{method}`: choose one of {}, and say after commas what differs, as in \
+             adaptive,fit=mean,hidden=off",
             known.join(", ")
         );
-    };
+    }
     let stream = read_stream(&args.file)?;
     let job = Job {
         stream: &stream,

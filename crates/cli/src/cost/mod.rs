@@ -6,8 +6,11 @@
 //! preset for a machine; [`cores`] is what small cores need for it. [`study`] does all in order,
 //! on all cores, and nothing twice.
 
+pub mod answer;
 pub mod budget;
 pub mod cores;
+pub mod effort;
+pub mod forecast;
 pub mod front;
 pub mod knobs;
 pub mod page;

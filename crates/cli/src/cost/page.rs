@@ -4,6 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 
+use super::answer;
 use super::budget::Answer;
 use super::knobs::{Knobs, MIDDLE};
 use super::short;
@@ -47,7 +48,7 @@ pub fn write(
         report.section(section);
     }
     if !answers.is_empty() {
-        report.section(budgets(answers));
+        report.section(answer::section(answers));
     }
     report.footer(
         "Seconds are of one core's work (thread time) for a second of animation at 60 Hz; the \
@@ -333,65 +334,4 @@ fn scaling(points: &[Point], dir: &Path) -> Result<Option<Section>> {
     )?;
     write_file(&dir.join("scaling.svg"), plot.svg()?.as_bytes())?;
     Ok(Some(section))
-}
-
-/// The solver's answer in a sentence.
-#[must_use]
-pub fn sentence(answer: &Answer) -> String {
-    let binds = match answer.binds.as_slice() {
-        [] => "nothing binds".to_owned(),
-        binds => format!("what binds: {}", binds.join("; ")),
-    };
-    match (&answer.preset, &answer.used) {
-        (Some(preset), Some(used)) => {
-            let time = used.time.unwrap_or(f64::NAN);
-            format!(
-                "preset `{}`: RMSE {:.2} expected, {} samples/s, N = {}; uses {:.0} % of the \
-                 time, {:.0} % of the link, {:.0} % of the RAM ({} bytes); {binds}",
-                preset.preset,
-                preset.rmse,
-                short(preset.rate),
-                short(preset.samples),
-                100.0 * time,
-                100.0 * used.link,
-                100.0 * used.ram,
-                preset.ram_bytes,
-            )
-        }
-        _ => format!("nothing fits; {binds}"),
-    }
-}
-
-fn budgets(answers: &[Answer]) -> Section {
-    let mut section = Section::new("Budgets");
-    for answer in answers {
-        let b = &answer.budget;
-        let core = match b.core {
-            Some(core) => format!("{core:?} at {:.0} MHz", b.hertz / 1e6),
-            None => "One core of this machine".to_owned(),
-        };
-        section.paragraph(&format!(
-            "{core}, link {:.1} Mbit/s, RAM {:.0} kB, {}x{} at {} Hz: {}.",
-            b.link / 1e6,
-            b.ram / 1e3,
-            b.width,
-            b.height,
-            b.refresh,
-            sentence(answer)
-        ));
-        let mut table = Table::new(["preset", "RMSE", "time, %", "link, %", "RAM, %", ""]);
-        for (candidate, used) in &answer.all {
-            let share = |v: f64| format!("{:.0}", 100.0 * v);
-            table.row([
-                candidate.preset.to_owned(),
-                format!("{:.2}", candidate.rmse),
-                used.time.map_or_else(|| "–".to_owned(), share),
-                share(used.link),
-                share(used.ram),
-                if used.fits() { "✓ fits" } else { "✗" }.to_owned(),
-            ]);
-        }
-        section.table(&table);
-    }
-    section
 }

@@ -20,7 +20,9 @@ use unframed_host::trace::World;
 use unframed_metrics::{Image, SquaredError};
 use unframed_recon::heap::HeapStorage;
 use unframed_recon::{Arith, Display, Fixed, Player};
+use unframed_wire::Tick;
 
+use super::effort::{Arrivals, Work};
 use super::knobs::{Format, Knobs};
 use super::ram;
 use super::stream::{self, Stream};
@@ -62,6 +64,35 @@ pub struct Measured {
     pub bytes_per_second: f64,
     /// RAM of the display, bytes.
     pub ram_bytes: u64,
+    /// What a refresh has to do, the mean of every tenth; of a display in integers alone.
+    pub work: Option<Work>,
+}
+
+impl Measured {
+    /// One setting on several scenes: errors as root of the mean of squares, RAM for the scene with
+    /// most objects, the rest as means.
+    #[must_use]
+    pub fn mean(all: &[&Self]) -> Self {
+        let count = all.len().max(1) as f64;
+        let mean = |f: fn(&Self) -> f64| all.iter().map(|m| f(m)).sum::<f64>() / count;
+        let works: Vec<&Work> = all.iter().filter_map(|m| m.work.as_ref()).collect();
+        Self {
+            error: ErrorParts {
+                sampling: mean(|m| m.error.sampling),
+                filtering: mean(|m| m.error.filtering),
+                arithmetic: mean(|m| m.error.arithmetic),
+                delay: mean(|m| m.error.delay),
+                total: mean(|m| m.error.total),
+            },
+            rmse: mean(|m| m.rmse.powi(2)).sqrt(),
+            rmse_to_oracle: mean(|m| m.rmse_to_oracle.powi(2)).sqrt(),
+            host_seconds: mean(|m| m.host_seconds),
+            display_seconds: mean(|m| m.display_seconds),
+            bytes_per_second: mean(|m| m.bytes_per_second),
+            ram_bytes: all.iter().map(|m| m.ram_bytes).max().unwrap_or(0),
+            work: (works.len() == all.len()).then(|| Work::mean(works)),
+        }
+    }
 }
 
 /// Every so many refreshes the error is split.
@@ -112,9 +143,11 @@ pub fn measure(
         instants,
     };
     match knobs.format {
-        Format::Fixed => job.run::<Fixed>(),
-        Format::F32 => job.run::<f32>(),
-        Format::F64 => job.run::<f64>(),
+        Format::Fixed => {
+            job.run::<Fixed>(|display, now, arrived| Some(Work::of(display, now, arrived)))
+        }
+        Format::F32 => job.run::<f32>(|_, _, _| None),
+        Format::F64 => job.run::<f64>(|_, _, _| None),
     }
 }
 
@@ -128,7 +161,10 @@ struct Job<'a> {
 }
 
 impl Job<'_> {
-    fn run<A: Arith>(&self) -> Result<Measured> {
+    fn run<A: Arith>(
+        &self,
+        work_of: impl Fn(&Display<'_, A>, Tick, Work) -> Option<Work>,
+    ) -> Result<Measured> {
         let Size { width, height } = self.size;
         let pixels = u32::from(width) * u32::from(height);
         let samples = self.knobs.samples(pixels) as usize;
@@ -141,12 +177,17 @@ impl Job<'_> {
         // As shown, exact, fresh, of plenty; and shown against exact.
         let mut chain = [SquaredError::default(); 5];
         let mut times = Vec::new();
+        let mut works = Vec::new();
+        let mut arrivals = Arrivals::default();
         for (index, bytes) in self.stream.refreshes.iter().enumerate() {
             let mut input = &bytes[..];
             let watch = Stopwatch::start();
-            while player.push(&mut input).is_some() {}
+            let refresh = player
+                .push(&mut input)
+                .context("a stream without a refresh")?;
             let seconds = watch.seconds();
             replica.receive(bytes);
+            let arrived = arrivals.read(bytes);
             let counted = (index as u32).checked_sub(self.first);
             let Some(instant) = counted.and_then(|k| self.instants.get(k as usize)) else {
                 continue;
@@ -156,6 +197,7 @@ impl Job<'_> {
             let shown = player.display().picture();
             error = error.plus(self.error(&reference.image, shown)?);
             if let Some(plenty) = &instant.plenty {
+                works.extend(work_of(player.display(), refresh.time, arrived));
                 let links = self.split(&replica, reference, plenty, shown)?;
                 for (sum, link) in chain.iter_mut().zip(links) {
                     *sum = sum.plus(link);
@@ -190,6 +232,7 @@ impl Job<'_> {
                 self.knobs.display.fit,
                 self.world.object_count() + 1,
             ),
+            work: (!works.is_empty()).then(|| Work::mean(&works)),
         })
     }
 

@@ -19,7 +19,7 @@ use crate::eval::store::{Key, write_whole};
 use crate::measure::{IDEAL_GRID, REFRESH_HZ};
 
 /// Raise this when what a point means changes: old files are not used any more.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// Seconds before anything counts: the display fills.
 pub const WARM_UP: f64 = 0.5;
 

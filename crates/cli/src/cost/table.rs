@@ -2,9 +2,11 @@
 
 use serde::Serialize;
 
+use super::effort::Law;
 use super::front::{Costs, dominated_by, on_front};
 use super::knobs::{Described, Knobs, Planned, Preset};
 use super::point::{ErrorParts, Measured};
+use crate::measure::REFRESH_HZ;
 
 /// A point of the report.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -25,9 +27,13 @@ pub struct Point {
     pub host_seconds: f64,
     /// Core seconds of the display for a second of animation.
     pub display_seconds: f64,
+    /// RMSE on each scene, in their order.
+    pub scenes: Vec<f64>,
     /// Instructions of a Cortex-M7 for each new sample, receiving and showing; none where they
-    /// were not counted.
+    /// were not counted, and of floats.
     pub instructions_per_sample: Option<f64>,
+    /// Instructions of a Cortex-M7 for a mean refresh at 60 Hz.
+    pub instructions_per_refresh: Option<f64>,
     /// Stream bytes a second.
     pub bytes_per_second: f64,
     /// RAM of the display, bytes.
@@ -61,33 +67,43 @@ impl Point {
     }
 }
 
-/// All points, each in each of its sweeps.
+/// All points, each in each of its sweeps. `measured` has a row for each scene.
 #[must_use]
 pub fn points(
     planned: &[Planned],
-    measured: &[Measured],
+    measured: &[Vec<Measured>],
     pixels: u32,
-    instructions: &dyn Fn(&Knobs) -> Option<f64>,
+    law: &dyn Fn(&Knobs) -> Option<Law>,
 ) -> Vec<Point> {
     let mut points: Vec<Point> = planned
         .iter()
-        .zip(measured)
-        .map(|(planned, m)| Point {
-            sweep: planned.sweep,
-            knobs: planned.knobs.described(pixels),
-            error: m.error,
-            rmse: m.rmse,
-            psnr: psnr(m.rmse),
-            rmse_to_oracle: m.rmse_to_oracle,
-            host_seconds: m.host_seconds,
-            display_seconds: m.display_seconds,
-            instructions_per_sample: instructions(&planned.knobs),
-            bytes_per_second: m.bytes_per_second,
-            ram_bytes: m.ram_bytes,
-            on_front: false,
-            preset: Preset::of(&planned.knobs),
-            dominated_by: 0.0,
-            settings: planned.knobs,
+        .enumerate()
+        .map(|(i, planned)| {
+            let scenes: Vec<&Measured> = measured.iter().filter_map(|row| row.get(i)).collect();
+            let m = Measured::mean(&scenes);
+            let effort = m
+                .work
+                .and_then(|work| Some(law(&planned.knobs)?.predict(&work).total()));
+            let each = f64::from(REFRESH_HZ) / f64::from(planned.knobs.rate(pixels));
+            Point {
+                sweep: planned.sweep,
+                knobs: planned.knobs.described(pixels),
+                error: m.error,
+                rmse: m.rmse,
+                psnr: psnr(m.rmse),
+                scenes: scenes.iter().map(|m| m.rmse).collect(),
+                rmse_to_oracle: m.rmse_to_oracle,
+                host_seconds: m.host_seconds,
+                display_seconds: m.display_seconds,
+                instructions_per_sample: effort.map(|effort| effort * each),
+                instructions_per_refresh: effort,
+                bytes_per_second: m.bytes_per_second,
+                ram_bytes: m.ram_bytes,
+                on_front: false,
+                preset: Preset::of(&planned.knobs),
+                dominated_by: 0.0,
+                settings: planned.knobs,
+            }
         })
         .collect();
     let costs: Vec<Costs> = points.iter().map(Point::costs).collect();

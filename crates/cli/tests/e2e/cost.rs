@@ -17,10 +17,10 @@ fn cost(out: &Path, more: &[&str]) -> Value {
 #[test]
 fn presets_are_measured_once_and_budgets_answered() {
     let out = tempfile::tempdir().unwrap();
-    let words = ["--presets-only", "--size", "40x32"];
+    let words = ["interactive", "--presets-only", "--size", "40x32"];
     let report = cost(out.path(), &words);
     let points = report["points"].as_array().unwrap();
-    assert_eq!(points.len(), 5);
+    assert_eq!(points.len(), 6);
     for point in points {
         for name in ["knobs", "preset", "on_front", "instructions_per_sample"] {
             assert!(point.get(name).is_some(), "{name}");
@@ -61,7 +61,7 @@ fn presets_are_measured_once_and_budgets_answered() {
 #[test]
 fn no_preset_is_dominated() {
     let out = tempfile::tempdir().unwrap();
-    let report = cost(out.path(), &["--size", "64x64"]);
+    let report = cost(out.path(), &["interactive", "--size", "64x64"]);
     let points = report["points"].as_array().unwrap();
     let mut presets = 0;
     for point in points.iter().filter(|p| !p["preset"].is_null()) {
