@@ -13,6 +13,7 @@ use crate::cost::cores::{Core, Cores, or_say};
 use crate::cost::effort::{Effort, Law};
 use crate::cost::forecast::Forecast;
 use crate::cost::knobs::{Knobs, PRESETS, Planned, Preset, sweeps};
+use crate::cost::scaling::{Curve, curves};
 use crate::cost::study::{Study, WARM_UP, parallel};
 use crate::cost::table::{COSTS, Point, csv, factor_per_decibel, points, presets};
 use crate::cost::{answer, page, short};
@@ -77,6 +78,13 @@ pub fn cost(args: &CostArgs) -> Result<()> {
     };
     let pixels = u32::from(args.size.width) * u32::from(args.size.height);
     let points = points(&planned, &measured, pixels, &law);
+    let curves = match &counted {
+        Some(cores) if sweeps_all(args) => {
+            progress.set_message("how cost grows");
+            curves(cores, first, args.seed, threads)?
+        }
+        _ => Vec::new(),
+    };
     progress.set_message("budgets");
     let answers = budgets
         .into_iter()
@@ -97,7 +105,7 @@ pub fn cost(args: &CostArgs) -> Result<()> {
         })
         .collect::<Result<Vec<Answer>>>()?;
     progress.finish_and_clear();
-    write(args, pixels, &points, &answers)?;
+    write(args, pixels, &points, &curves, &answers)?;
     tell(&points, &answers);
     println!(
         "numbers, plots and fronts: {}",
@@ -133,9 +141,13 @@ fn laws(
     })
 }
 
+fn sweeps_all(args: &CostArgs) -> bool {
+    args.preset.is_empty() && !args.presets_only
+}
+
 /// What is to be measured: all sweeps, or the presets alone.
 fn planned(args: &CostArgs) -> Result<Vec<Planned>> {
-    if args.preset.is_empty() && !args.presets_only {
+    if sweeps_all(args) {
         return Ok(sweeps());
     }
     let wanted: Vec<&Preset> = if args.preset.is_empty() {
@@ -224,7 +236,13 @@ fn candidates(
     Ok(each.filter_map(candidate).collect())
 }
 
-fn write(args: &CostArgs, pixels: u32, points: &[Point], answers: &[Answer]) -> Result<()> {
+fn write(
+    args: &CostArgs,
+    pixels: u32,
+    points: &[Point],
+    curves: &[Curve],
+    answers: &[Answer],
+) -> Result<()> {
     let factors: serde_json::Map<String, serde_json::Value> = COSTS
         .iter()
         .map(|(name, cost)| ((*name).to_owned(), json!(factor_per_decibel(points, *cost))))
@@ -240,6 +258,7 @@ fn write(args: &CostArgs, pixels: u32, points: &[Point], answers: &[Answer]) -> 
         },
         "points": points,
         "factor_per_decibel": factors,
+        "scaling": curves,
         "budgets": answers,
     });
     let bytes = serde_json::to_vec_pretty(&report)?;
@@ -253,7 +272,7 @@ fn write(args: &CostArgs, pixels: u32, points: &[Point], answers: &[Answer]) -> 
         ("panel", format!("{}x{}", args.size.width, args.size.height)),
         ("simulated", format!("{} s", args.seconds)),
     ];
-    page::write(points, answers, &facts, pixels, &args.out)?;
+    page::write(points, curves, answers, &facts, pixels, &args.out)?;
     Ok(())
 }
 

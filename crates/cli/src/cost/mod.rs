@@ -2,9 +2,12 @@
 //!
 //! [`knobs`] (what is turned, presets) → [`stream`] (one recording for all displays of a rate) →
 //! [`point`] (error, split by cause; seconds, bytes, [`ram`]) → [`front`] (what is beaten by
-//! nothing) → [`table`] (JSON, CSV, what a decibel costs) → [`page`]. [`budget`] finds the best
-//! preset for a machine; [`cores`] is what small cores need for it. [`study`] does all in order,
+//! nothing) → [`table`] (JSON, CSV, what a decibel costs) → [`page`]. [`study`] does all in order,
 //! on all cores, and nothing twice.
+//!
+//! Small cores: [`effort`] counts work and knows what it costs, [`cores`] finds that out on an
+//! emulator, [`forecast`] counts the work of another panel, [`budget`] finds the best preset for a
+//! machine, which [`answer`] puts into words. [`scaling`] shows how cost grows.
 
 pub mod answer;
 pub mod budget;
@@ -16,6 +19,7 @@ pub mod knobs;
 pub mod page;
 pub mod point;
 pub mod ram;
+pub mod scaling;
 pub mod stream;
 pub mod study;
 pub mod table;

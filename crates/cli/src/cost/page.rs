@@ -7,6 +7,7 @@ use anyhow::Result;
 use super::answer;
 use super::budget::Answer;
 use super::knobs::{Knobs, MIDDLE};
+use super::scaling::{Curve, plots};
 use super::short;
 use super::table::{COSTS, CostOf, Point, distinct, factor_per_decibel, presets, slope};
 use crate::method::Method;
@@ -18,6 +19,7 @@ use crate::report::{Axis, BarChart, Plot, Report, Scale, Section, Table, write_f
 /// A plot cannot be drawn or a file not be written.
 pub fn write(
     points: &[Point],
+    curves: &[Curve],
     answers: &[Answer],
     facts: &[(&str, String)],
     pixels: u32,
@@ -36,12 +38,25 @@ pub fn write(
     for (name, value) in facts {
         report.fact(*name, value);
     }
-    report.section(decibels(points));
+    report.section(decibels(points, dir)?);
     if points.iter().any(|p| p.sweep != "presets") {
         report.section(fronts(points, dir)?);
     }
     report.section(causes(points)?);
     for section in knobs(points, pixels)? {
+        report.section(section);
+    }
+    if !curves.is_empty() {
+        let mut section = Section::new("How cost grows");
+        for (file, plot) in plots(curves) {
+            section.plot(&plot, "")?;
+            write_file(&dir.join(file), plot.svg()?.as_bytes())?;
+        }
+        section.paragraph(
+            "A refresh, what is received before it included, by the preset `medium`, as an \
+             emulator counts it. Slope 1 is in proportion; 0 is not at all. At rest only what is \
+             new is looked at.",
+        );
         report.section(section);
     }
     if let Some(section) = scaling(points, dir)? {
@@ -55,17 +70,41 @@ pub fn write(
          display's is the median refresh times 60. Error parts are differences of mean squared \
          errors along a chain of pictures of the same stream: as shown; in f64; each sample \
          traced again at the instant; 16 fresh samples a pixel instead. They add up by \
-         construction. RAM: all slices that the display asks for, its \
-         receiver included, without stack and code.",
+         construction. RAM: a microcontroller's static storage for this and 16 KiB of stack. \
+         Instructions of a Cortex-M7 are those of the work of this panel's refreshes, by a law \
+         found from counts of an emulator.",
     );
     report.write(&dir.join("report.html"))?;
     Ok(())
 }
 
 /// What going from preset to preset costs.
-fn decibels(points: &[Point]) -> Section {
+fn decibels(points: &[Point], dir: &Path) -> Result<Section> {
     let mut section = Section::new("What does one decibel more cost?");
     let presets = presets(points);
+    if let [least, .., _] = presets.as_slice() {
+        let x = Axis::new(
+            format!("dB gained over `{}`", least.preset.unwrap_or("")),
+            Scale::Linear,
+        );
+        let y = Axis::new("times its cost (log)", Scale::Log);
+        let mut plot = Plot::new("Each cost, from preset to preset", x, y);
+        for (name, cost) in COSTS {
+            let relative = |p: &&Point| (p.psnr - least.psnr, cost(p) / cost(least));
+            let line: Vec<(f64, f64)> = presets.iter().map(relative).collect();
+            let factor = factor_per_decibel(points, cost);
+            let factor = factor.map_or_else(String::new, |f| format!(": × {f:.2} a dB"));
+            if line.iter().all(|place| place.1.is_finite()) {
+                plot = plot.line(format!("{name}{factor}"), line);
+            }
+        }
+        section.plot(
+            &plot,
+            "Each dot is a preset. The factors are along the fronts of all points, where there \
+             are such.",
+        )?;
+        write_file(&dir.join("decibel.svg"), plot.svg()?.as_bytes())?;
+    }
     let heads = [
         "preset",
         "RMSE",
@@ -78,6 +117,7 @@ fn decibels(points: &[Point]) -> Section {
         "host, s",
         "kB/s",
         "RAM, kB",
+        "M7, million instr./refresh",
         "on front",
     ];
     let mut table = Table::new(heads);
@@ -94,6 +134,8 @@ fn decibels(points: &[Point]) -> Section {
             format!("{:.3}", p.host_seconds),
             format!("{:.0}", p.bytes_per_second / 1e3),
             format!("{:.0}", p.ram_bytes as f64 / 1e3),
+            p.instructions_per_refresh
+                .map_or_else(|| "–".to_owned(), |count| format!("{:.1}", 1e-6 * count)),
             if p.dominated_by > 0.03 {
                 format!("✗ beaten by {:.0} %", 100.0 * p.dominated_by)
             } else {
@@ -117,20 +159,24 @@ fn decibels(points: &[Point]) -> Section {
         ];
         for (_, cost) in COSTS {
             let factor = cost(pair[1]) / cost(pair[0]);
-            cells.push(format!("× {factor:.2} ({:.2})", factor.powf(1.0 / gained)));
+            cells.push(if factor.is_finite() {
+                format!("× {factor:.2} ({:.2})", factor.powf(1.0 / gained))
+            } else {
+                "–".to_owned()
+            });
         }
         table.row(cells);
     }
     if presets.len() > 1 {
         section.table(&table);
     }
-    section
+    Ok(section)
 }
 
 /// Error against each cost.
 fn fronts(points: &[Point], dir: &Path) -> Result<Section> {
     let mut section = Section::new("Fronts");
-    let units: [(&str, &str, CostOf); 4] = [
+    let units: [(&str, &str, CostOf); 5] = [
         (
             "display time",
             "core seconds of the display a second (log)",
@@ -147,13 +193,21 @@ fn fronts(points: &[Point], dir: &Path) -> Result<Section> {
         ("RAM", "RAM of the display, kB (log)", |p| {
             p.ram_bytes as f64 / 1e3
         }),
+        (
+            "instructions",
+            "million instructions a refresh on a Cortex-M7 (log)",
+            |p| 1e-6 * p.instructions_per_refresh.unwrap_or(f64::NAN),
+        ),
     ];
     for (name, label, cost) in units {
         let place = |p: &&Point| (cost(p), p.rmse);
         let fixed: Vec<&Point> = distinct(points)
             .into_iter()
-            .filter(|p| p.knobs.format == super::knobs::Format::Fixed)
+            .filter(|p| p.knobs.format == super::knobs::Format::Fixed && cost(p).is_finite())
             .collect();
+        if fixed.is_empty() {
+            continue;
+        }
         let of = |method: Method| -> Vec<(f64, f64)> {
             let same = fixed.iter().filter(|p| p.settings().method == method);
             same.map(place).collect()
@@ -318,7 +372,7 @@ fn scaling(points: &[Point], dir: &Path) -> Result<Option<Section>> {
     let text = |pairs| slope(&logs(pairs)).map_or_else(|| "–".to_owned(), |s| format!("{s:.2}"));
     let y = Axis::new("display, ms a refresh (log)", Scale::Log);
     let x = Axis::new("samples remembered, or samples a second (log)", Scale::Log);
-    let mut section = Section::new("How cost grows");
+    let mut section = Section::new("How time grows here");
     let plot = Plot::new("A refresh's time", x, y)
         .line(
             format!("N at one rate: slope {}", text(&by_n)),
@@ -332,6 +386,6 @@ fn scaling(points: &[Point], dir: &Path) -> Result<Option<Section>> {
         &plot,
         "Slope 1 is in proportion; below 1 there is a part that pixels alone cost.",
     )?;
-    write_file(&dir.join("scaling.svg"), plot.svg()?.as_bytes())?;
+    write_file(&dir.join("scaling-time.svg"), plot.svg()?.as_bytes())?;
     Ok(Some(section))
 }

@@ -146,12 +146,15 @@ pub fn presets(points: &[Point]) -> Vec<&Point> {
 /// A way to count cost.
 pub type CostOf = fn(&Point) -> f64;
 
-/// Costs by name.
-pub const COSTS: [(&str, CostOf); 4] = [
+/// Costs by name; what was not counted is not a number.
+pub const COSTS: [(&str, CostOf); 5] = [
     ("display time", |p| p.display_seconds),
     ("host time", |p| p.host_seconds),
     ("bytes a second", |p| p.bytes_per_second),
     ("RAM", |p| p.ram_bytes as f64),
+    ("Cortex-M7 instructions", |p| {
+        p.instructions_per_refresh.unwrap_or(f64::NAN)
+    }),
 ];
 
 /// The front of error against one cost: from the cheapest to the best.
@@ -160,6 +163,7 @@ pub fn front_of(points: &[Point], cost: CostOf) -> Vec<&Point> {
     let mut sorted: Vec<&Point> = distinct(points)
         .into_iter()
         .filter(|point| point.knobs.format == super::knobs::Format::Fixed)
+        .filter(|point| cost(point).is_finite())
         .collect();
     sorted.sort_by(|a, b| cost(a).total_cmp(&cost(b)).then(a.rmse.total_cmp(&b.rmse)));
     let mut least = f64::INFINITY;

@@ -9,9 +9,12 @@ use crate::common::succeed;
 use serde_json::Value;
 use unframed_cli::args::Size;
 use unframed_cli::cost::budget::Budget;
+use unframed_cli::cost::cores::{Core, or_say};
 use unframed_cli::cost::knobs::{Knobs, PRESETS};
 use unframed_cli::cost::ram::STACK;
 use unframed_cli::cost::stream::Stream;
+use unframed_cli::eval::probes::still;
+use unframed_host::scene::Scene;
 use unframed_host::scene::builtin::builtin;
 use unframed_host::trace::World;
 use unframed_recon::config::Fit;
@@ -32,8 +35,8 @@ fn ask(scene: &str, budget: &str, out: &Path) -> Value {
     let json = out.join("numbers.json");
     let seconds = SECONDS.to_string();
     let (dir, file) = (out.to_str().unwrap(), json.to_str().unwrap());
-    let four = "least,small,low,medium";
-    let small = ["cost", scene, "--preset", four, "--size", "24x24"];
+    let three = "small,low,medium";
+    let small = ["cost", scene, "--preset", three, "--size", "32x32"];
     let more = [
         "--seconds",
         &seconds,
@@ -92,7 +95,7 @@ fn what_the_solver_promises_a_board_counts() {
         ),
         (
             "walkthrough",
-            "cortex-m4@800MHz ram=4MiB 96x40@60Hz",
+            "cortex-m4@500MHz ram=4MiB 96x40@60Hz",
             "time",
         ),
         ("toycar", "rv32imac@9GHz link=1Mbit/s 60x80@60Hz", "link"),
@@ -142,4 +145,44 @@ fn what_the_solver_promises_a_board_counts() {
             );
         }
     }
+}
+
+/// At rest a refresh costs what is new, however much is remembered; in motion it costs what is
+/// remembered.
+#[test]
+fn at_rest_cost_does_not_grow_with_what_is_remembered() {
+    let dir = tempfile::tempdir().unwrap();
+    let scene = builtin("interactive").expect("a built-in scene");
+    let Some(cores) = or_say(Core::CortexM4, &scene, 1, dir.path()).expect("a working emulator")
+    else {
+        return;
+    };
+    let preset = PRESETS
+        .iter()
+        .find(|p| p.name == "medium")
+        .expect("it is there");
+    let knobs = Knobs {
+        density: 8.0,
+        ..preset.knobs()
+    };
+    let size = Size {
+        width: 32,
+        height: 32,
+    };
+    let count = |scene: &Scene, samples: usize| {
+        let world = World::new(scene.clone(), [32, 32]).expect("a sound scene");
+        let stream = Stream::record(&knobs, size, 1, &world, 70, 0).expect("a sound stream");
+        let counted = cores.count(size, samples, knobs.display, &stream);
+        counted
+            .expect("it counts")
+            .last()
+            .expect("refreshes")
+            .1
+            .picture
+    };
+    let resting = still(&scene, 0.0);
+    let (few, many) = (count(&resting, 1024), count(&resting, 8192));
+    assert!((many / few - 1.0).abs() < 0.02, "at rest: {few} and {many}");
+    let (few, many) = (count(&scene, 1024), count(&scene, 8192));
+    assert!(many > 2.0 * few, "in motion: {few} and {many}");
 }

@@ -4,7 +4,16 @@
 use std::path::Path;
 
 use crate::common::{succeed, unframed};
+use indicatif::ProgressBar;
 use serde_json::Value;
+use unframed_cli::args::Size;
+use unframed_cli::cost::knobs::{Knobs, PRESETS, Planned};
+use unframed_cli::cost::study::Study;
+use unframed_cli::cost::table::points;
+use unframed_host::scene::builtin::builtin;
+use unframed_host::trace::World;
+use unframed_recon::Config;
+use unframed_recon::config::{Extents, Fit, TimeKernel};
 
 fn cost(out: &Path, more: &[&str]) -> Value {
     let json = out.join("numbers.json");
@@ -58,29 +67,76 @@ fn presets_are_measured_once_and_budgets_answered() {
     }
 }
 
+/// A preset and what differs from it by one knob that costs no more bytes.
+fn with_rivals(preset: &Knobs) -> Vec<Knobs> {
+    let rival = |change: &dyn Fn(&mut Config)| {
+        let mut knobs = *preset;
+        change(&mut knobs.display);
+        knobs
+    };
+    vec![
+        *preset,
+        rival(&|c| c.hidden = !c.hidden),
+        rival(&|c| {
+            c.fit = match c.fit {
+                Fit::Constant => Fit::Linear,
+                Fit::Linear => Fit::Constant,
+            }
+        }),
+        rival(&|c| c.kernel = TimeKernel::Rational),
+        // Known to be bad: what must be found beaten.
+        rival(&|c| c.extents = Extents::Constant(-60)),
+    ]
+}
+
+/// At the size and on the scenes they were chosen for, though not for as long; that no other point
+/// of the whole sweep beats them is held to a table (`cost::table`).
 #[test]
-fn no_preset_is_dominated() {
+fn no_preset_is_beaten_by_its_neighbours() {
     let out = tempfile::tempdir().unwrap();
-    let report = cost(out.path(), &["interactive", "--size", "64x64"]);
-    let points = report["points"].as_array().unwrap();
-    let mut presets = 0;
-    for point in points.iter().filter(|p| !p["preset"].is_null()) {
-        let by = point["dominated_by"].as_f64().unwrap();
-        assert!(
-            by <= 0.03,
-            "{} by {by}: {}",
-            point["preset"],
-            point["knobs"]
-        );
-        presets += 1;
+    let size = Size {
+        width: 128,
+        height: 128,
+    };
+    let presets = PRESETS
+        .iter()
+        .filter(|p| ["least", "small", "medium"].contains(&p.name));
+    let planned: Vec<Planned> = presets
+        .flat_map(|preset| with_rivals(&preset.knobs()))
+        .map(|knobs| Planned {
+            sweep: "presets",
+            knobs,
+        })
+        .collect();
+    let measured: Vec<_> = ["interactive", "walkthrough", "toycar"]
+        .iter()
+        .map(|scene| {
+            let study = Study {
+                name: (*scene).to_owned(),
+                world: World::new(builtin(scene).unwrap(), [128, 128]).unwrap(),
+                size,
+                refreshes: 34,
+                seed: 1,
+                threads: 2,
+                dir: out.path().to_owned(),
+            };
+            let quiet = ProgressBar::hidden();
+            study
+                .run(&planned, &out.path().join("ideals"), false, &quiet)
+                .unwrap()
+        })
+        .collect();
+    let points = points(&planned, &measured, 128 * 128, &|_| None);
+    let mut beaten = 0;
+    for point in &points {
+        if let Some(preset) = point.preset {
+            let by = point.dominated_by;
+            assert!(by <= 0.03, "{preset} by {by}: {:?}", point.knobs);
+        } else {
+            beaten += usize::from(point.dominated_by > 0.03);
+        }
     }
-    assert!(presets >= 5);
-    assert!(
-        points
-            .iter()
-            .any(|p| p["dominated_by"].as_f64().unwrap() > 0.03)
-    );
-    assert!(out.path().join("front-display-time.svg").is_file());
+    assert!(beaten >= 3, "nothing is found beaten");
 }
 
 #[test]
