@@ -6,7 +6,7 @@ use super::care::Care;
 use crate::trace::Rays;
 use crate::trace::cone::Cone;
 use crate::trace::moment::{Moment, Struck};
-use crate::trace::shade::{Path, Shader};
+use crate::trace::shade::{Path, Shader, mirrors};
 
 /// What the ray through a pixel's middle met. Light and albedo are apart, so that filtering
 /// light does not blur texture.
@@ -26,17 +26,32 @@ pub(crate) struct Deferred {
 }
 
 impl Deferred {
-    /// Looks through pixel coordinates `at`.
+    /// Looks through pixel coordinates `at` and the middle of the lens.
     pub(crate) fn look(moment: &Moment<'_>, at: Vec2, rays: &mut Rays) -> Self {
+        Self::look_through(moment, at, Vec2::ZERO, 0, rays)
+    }
+
+    /// Looks through a place of the lens, metres from its middle to the right and down. What mirrors
+    /// and glass show depends on `seed`.
+    pub(crate) fn look_through(
+        moment: &Moment<'_>,
+        at: Vec2,
+        lens: Vec2,
+        seed: u32,
+        rays: &mut Rays,
+    ) -> Self {
         rays.primary += 1;
         let camera = moment.camera();
-        let direction = camera.direction(at);
+        let offset = camera.right * lens.x + camera.down * lens.y;
+        let eye = camera.eye + offset;
+        // All rays of a pixel meet in the plane of focus.
+        let direction = camera.direction(at) - offset / camera.focus.max(1e-3);
         let length = direction.length();
         let direction = direction / length;
-        let mut shader = Shader::new(moment, 0, Care::default());
-        let Some(struck) = moment.closest(camera.eye, direction) else {
+        let mut shader = Shader::new(moment, seed, Care::default());
+        let Some(struck) = moment.closest(eye, direction) else {
             return Self {
-                eye: camera.eye,
+                eye,
                 direction,
                 distance: f32::INFINITY,
                 struck: None,
@@ -53,13 +68,21 @@ impl Deferred {
         let (albedo, own) = shader.split(&struck, &path);
         *rays += shader.rays;
         Self {
-            eye: camera.eye,
+            eye,
             direction,
             distance: struck.t,
             struck: Some(struck),
             albedo,
             own,
         }
+    }
+
+    /// Whether no mirror and no glass is seen.
+    pub(crate) fn is_matt(&self, moment: &Moment<'_>) -> bool {
+        self.struck.is_none_or(|struck| {
+            let material = &moment.world.scene.materials[struck.spot.material as usize];
+            !mirrors(material) && material.transmission == 0.0
+        })
     }
 
     /// Whether light may be shared with another pixel: the same kind of surface, at about the

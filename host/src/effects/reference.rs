@@ -23,17 +23,26 @@ pub fn reference(world: &mut World, t: f64, samples: u32) -> Vec<Vec3> {
         .into_par_iter()
         .map(|i| {
             let pixel = Vec2::new((i % width) as f32, (i / width) as f32) + 0.5;
-            let seen = Deferred::look(&moment, pixel, &mut Rays::default());
-            estimate(&moment, &seen, samples.max(1), i)
+            estimate(&moment, pixel, samples.max(1), i)
         })
         .collect()
 }
 
 /// The mean of `samples` estimates of what a pixel sees.
-pub(crate) fn estimate(moment: &Moment<'_>, seen: &Deferred, samples: u32, seed: u32) -> Vec3 {
+fn estimate(moment: &Moment<'_>, pixel: Vec2, samples: u32, seed: u32) -> Vec3 {
     let mut dice = Dice::new(seed);
+    let middle = Deferred::look(moment, pixel, &mut Rays::default());
+    // Without a lens, and where nothing is seen in a mirror or through glass, all paths begin alike.
+    let aperture = moment.camera().aperture;
+    let varies = aperture > 0.0 || !middle.is_matt(moment);
     let mut sum = Vec3::ZERO;
-    for _ in 0..samples {
+    for k in 0..samples {
+        let mut seen = middle;
+        if varies {
+            let lens = on_disc(&mut dice) * aperture;
+            let seed = seed << 16 ^ k;
+            seen = Deferred::look_through(moment, pixel, lens, seed, &mut Rays::default());
+        }
         let mut light = seen.own;
         if let Some(struck) = &seen.struck {
             light += seen.albedo * gathered(moment, struck, &mut dice);
@@ -52,6 +61,16 @@ pub(crate) fn estimate(moment: &Moment<'_>, seen: &Deferred, samples: u32, seed:
         sum += light;
     }
     sum / samples as f32
+}
+
+/// A place in the unit disc, by rejection.
+fn on_disc(dice: &mut Dice) -> Vec2 {
+    loop {
+        let place = Vec2::from(dice.pair()) * 2.0 - 1.0;
+        if place.length_squared() <= 1.0 {
+            return place;
+        }
+    }
 }
 
 /// Irradiance/π at a surface: lamps, then paths that go on by Russian roulette.

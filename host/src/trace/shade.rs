@@ -423,7 +423,7 @@ impl<'a> Shader<'a> {
 }
 
 /// Whether a material reflects rays.
-fn mirrors(material: &Material) -> bool {
+pub(crate) fn mirrors(material: &Material) -> bool {
     material.metallic > 0.0 && material.roughness <= MIRROR_ROUGHNESS
 }
 

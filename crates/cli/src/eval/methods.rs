@@ -212,7 +212,7 @@ impl EvalMethod {
                 ]
             }
             Self::AdaptiveUnguided | Self::AdaptivePatternOnly => {
-                [("1 ray", 1), ("4 rays", 4), ("9 rays", 9)]
+                [("1 ray", 1), ("4 rays", 4), ("9 rays", 9), ("15 rays", 15)]
                     .map(|(name, rays)| Setting::Rays(name, rays))
                     .to_vec()
             }

@@ -65,7 +65,7 @@ pub struct Config {
     pub pattern: bool,
     /// Whether a tile's samples give more rays to the effects whose rays disagree there.
     pub guidance: bool,
-    /// Rays of each effect in a sample, 1..=16, where there is no guidance.
+    /// Rays of each effect in a sample, 1..=15, where there is no guidance.
     pub rays: u8,
     /// Seeds everything.
     pub seed: u64,

@@ -151,7 +151,7 @@ impl Adaptive {
             objects: Vec::new(),
             tiles: vec![Tile::default(); grid.len()],
             fading: Fading::default(),
-            guidance: Guidance::new(grid.len()),
+            guidance: Guidance::new(grid.columns, grid.rows),
             alarm: Alarm::default(),
             cut: None,
             order: allocate::z_order(grid.columns, grid.rows),

@@ -23,6 +23,49 @@ const STEPS: [u32; 6] = [1, 4, 16, 64, 256, 1024];
 /// Paths of virtual lights for each estimate of what they leave out near by.
 const PATHS_A_CORRECTION: u32 = 16;
 
+/// An effect of single samples, in a scene without indirect light.
+struct Subject {
+    name: &'static str,
+    scene: &'static str,
+    change: fn(&mut Scene),
+    /// Whether its points can come from a sequence.
+    sequence: bool,
+}
+
+const SUBJECTS: [Subject; 4] = [
+    Subject {
+        name: "soft shadows",
+        scene: "forest",
+        change: |_| {},
+        sequence: true,
+    },
+    Subject {
+        name: "medium",
+        scene: "cornell-mist",
+        change: |_| {},
+        sequence: true,
+    },
+    Subject {
+        name: "depth of field",
+        scene: "toycar",
+        change: |scene| {
+            let cameras = scene.nodes.iter_mut().filter_map(|n| n.camera.as_mut());
+            cameras.for_each(|lens| (lens.aperture, lens.focus) = (0.08, 4.0));
+        },
+        sequence: false,
+    },
+    Subject {
+        name: "soft shadows in mirrors and glass",
+        scene: "cornell",
+        // White walls reflect half, the green one is of glass.
+        change: |scene| {
+            (scene.materials[0].metallic, scene.materials[0].roughness) = (0.5, 0.0);
+            scene.materials[2].transmission = 0.8;
+        },
+        sequence: true,
+    },
+];
+
 /// Errors by number of samples.
 struct Curve {
     name: String,
@@ -49,15 +92,16 @@ impl Curve {
 /// A file cannot be written.
 pub(super) fn convergence(out: &Path) -> Result<Value> {
     let mut curves = Vec::new();
-    for (name, scene) in [
-        ("soft shadows", "forest"),
-        ("medium", "forest-mist"),
-        ("medium and all else", "slats-direct"),
-    ] {
-        let scene = subject(scene)?;
+    for subject in SUBJECTS {
+        let mut scene = builtin(subject.scene).context("a built-in scene")?;
+        scene.indirect = false;
+        (subject.change)(&mut scene);
         let truth = reference(&mut world(&scene)?, 0.0, PATHS);
         for (points, pattern) in [("random", false), ("sequence", true)] {
-            let name = format!("{name}, {points}");
+            if pattern && !subject.sequence {
+                continue;
+            }
+            let name = format!("{}, {points}", subject.name);
             curves.push(looks(name, &scene, &truth, pattern)?);
         }
     }
@@ -81,12 +125,6 @@ pub(super) fn convergence(out: &Path) -> Result<Value> {
     std::fs::write(&path, plot.svg()?)
         .with_context(|| format!("cannot write {}", path.display()))?;
     Ok(Value::Object(slopes))
-}
-
-fn subject(name: &str) -> Result<Scene> {
-    let mut scene = builtin(name.trim_end_matches("-direct")).context("a built-in scene")?;
-    scene.indirect = false;
-    Ok(scene)
 }
 
 fn world(scene: &Scene) -> Result<World> {

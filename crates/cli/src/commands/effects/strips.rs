@@ -7,19 +7,23 @@ use glam::{UVec2, Vec3};
 use unframed_host::drive::Host;
 use unframed_host::effects::framed::{Refinement, render};
 use unframed_host::scene::builtin::builtin;
-use unframed_host::scene::{Light, LightKind, Scene};
+use unframed_host::scene::{Light, LightKind, MIRROR_ROUGHNESS, Material, Scene};
 use unframed_host::stream::sender::Promise;
-use unframed_host::trace::{Rays, World};
+use unframed_host::trace::{Rays, World, ideal};
 
 use super::{codes, heat};
+use crate::measure::IDEAL_GRID;
 use crate::method::Method;
 use crate::report::Picture;
 
 /// Side of a picture, pixels.
 const SIDE: u32 = 160;
-/// Samples a second of the frameless host, and how long it runs.
+/// The instant that is shown, seconds.
+const SHOWN: f64 = 1.0;
+/// Samples a second of the frameless host, and the refreshes over which they are counted: around
+/// that instant.
 const RATE: u32 = 400_000;
-const REFRESHES: u32 = 45;
+const COUNTED: std::ops::Range<u32> = 45..75;
 /// White between pictures, pixels.
 const GAP: usize = 4;
 
@@ -67,19 +71,109 @@ const SUBJECTS: [Subject; 3] = [
     },
 ];
 
-/// Writes `effect-NAME.png`: off, on, samples a pixel of the frame (blue is one, bright red
-/// nine), rays a sample of the frameless host.
+/// An effect that is traced, not interleaved: what calls for it, and its rays if it has any.
+struct Traced {
+    name: &'static str,
+    scene: &'static str,
+    on: fn(&mut Scene),
+    off: fn(&mut Scene),
+    rays: Option<fn(&Rays) -> u32>,
+}
+
+const TRACED: [Traced; 4] = [
+    Traced {
+        name: "mirror",
+        scene: "toycar",
+        on: |_| {},
+        off: |scene| {
+            let smooth = |m: &&mut Material| m.roughness <= MIRROR_ROUGHNESS;
+            let mirrors = scene.materials.iter_mut().filter(smooth);
+            mirrors.for_each(|m| m.metallic = 0.0);
+        },
+        rays: Some(|rays| rays.bounce),
+    },
+    Traced {
+        name: "refraction",
+        scene: "cornell",
+        on: |scene| {
+            // Both blocks of glass.
+            let glass = Material {
+                name: "glass".into(),
+                base_colour: Vec3::new(0.9, 0.97, 0.95).extend(1.0),
+                transmission: 1.0,
+                ior: 1.5,
+                ..Material::default()
+            };
+            scene.materials.push(glass);
+            let glass = scene.materials.len() - 1;
+            for name in ["tall", "short"] {
+                let block = scene.nodes.iter().find(|node| node.name == name);
+                let mesh = block.and_then(|node| node.mesh);
+                let parts = mesh.map_or(&mut [][..], |mesh| &mut scene.meshes[mesh].primitives);
+                parts.iter_mut().for_each(|part| part.material = glass);
+            }
+        },
+        off: |scene| {
+            scene
+                .materials
+                .iter_mut()
+                .for_each(|m| m.transmission = 0.0)
+        },
+        rays: Some(|rays| rays.refraction),
+    },
+    Traced {
+        name: "depth_of_field",
+        scene: "toycar",
+        on: |scene| {
+            let cameras = scene
+                .nodes
+                .iter_mut()
+                .filter_map(|node| node.camera.as_mut());
+            cameras.for_each(|lens| (lens.aperture, lens.focus) = (0.08, 4.0));
+        },
+        off: |scene| {
+            let cameras = scene
+                .nodes
+                .iter_mut()
+                .filter_map(|node| node.camera.as_mut());
+            cameras.for_each(|lens| lens.aperture = 0.0);
+        },
+        rays: None,
+    },
+    Traced {
+        name: "textures",
+        scene: "interactive",
+        on: |_| {},
+        off: |scene| {
+            for material in &mut scene.materials {
+                (material.base_texture, material.procedural) = (None, None);
+            }
+        },
+        rays: None,
+    },
+];
+
+/// Writes `effect-NAME.png` for each effect: off, on, and where refinement went.
+///
+/// Of what is interleaved: samples a pixel of the frame (blue is one, bright red nine) and rays a
+/// sample of the frameless host. Of what is traced: samples a pixel of the frameless host with the
+/// effect (white is four times the mean or more) and, if it has rays, rays a sample.
 ///
 /// # Errors
 /// A file cannot be written.
 pub(super) fn strips(out: &Path) -> Result<()> {
+    let write = |name: &str, parts: &[Vec<[u8; 3]>]| {
+        let picture = beside(parts)?;
+        anyhow::Ok(picture.write_png(&out.join(format!("effect-{name}.png")))?)
+    };
     for subject in &SUBJECTS {
         let scene = builtin(subject.scene).context("a built-in scene")?;
         let mut without = scene.clone();
         (subject.off)(&mut without);
-        let off = render(&mut World::new(without, [SIDE; 2])?, 1.0, Refinement::All);
+        let mut without = World::new(without, [SIDE; 2])?;
+        let off = render(&mut without, SHOWN, Refinement::All);
         let mut world = World::new(scene, [SIDE; 2])?;
-        let on = render(&mut world, 1.0, Refinement::Adaptive);
+        let on = render(&mut world, SHOWN, Refinement::Adaptive);
         let layer = on.layers.iter().find(|layer| layer.name == subject.name);
         let layer = layer.context("a scene that calls for the effect")?;
         let times = SIDE / layer.width;
@@ -87,15 +181,31 @@ pub(super) fn strips(out: &Path) -> Result<()> {
             let (x, y) = (i % SIDE / times, i / SIDE / times);
             heat(layer.samples[(y * layer.width + x) as usize])
         });
-        let frameless = rays_a_sample(world, subject.rays)?;
+        let counts = count(world, subject.rays)?;
         let parts = [
             codes(&off.light),
             codes(&on.light),
             framed.collect(),
-            frameless,
+            counts.iter().map(rays_a_sample).collect(),
         ];
-        let picture = beside(&parts)?;
-        picture.write_png(&out.join(format!("effect-{}.png", subject.name)))?;
+        write(subject.name, &parts)?;
+    }
+    for subject in &TRACED {
+        let mut with = builtin(subject.scene).context("a built-in scene")?;
+        (subject.on)(&mut with);
+        let mut without = with.clone();
+        (subject.off)(&mut without);
+        let mut world = World::new(with, [SIDE; 2])?;
+        let off = ideal(&mut World::new(without, [SIDE; 2])?, SHOWN, IDEAL_GRID);
+        let on = ideal(&mut world, SHOWN, IDEAL_GRID);
+        let counts = count(world, subject.rays.unwrap_or(|_| 0))?;
+        let mean = counts.iter().map(|c| c.samples).sum::<u32>() as f32 / counts.len() as f32;
+        let share = |c: &Count| [(c.samples as f32 / mean * 64.0).min(255.0) as u8; 3];
+        let mut parts = vec![off, on, counts.iter().map(share).collect()];
+        if subject.rays.is_some() {
+            parts.push(counts.iter().map(rays_a_sample).collect());
+        }
+        write(subject.name, &parts)?;
     }
     Ok(())
 }
@@ -113,8 +223,16 @@ fn beside(parts: &[Vec<[u8; 3]>]) -> Result<Picture> {
     Ok(Picture::new(width, side, pixels)?)
 }
 
-/// How many rays each pixel's samples gave to an effect, of the last third of a run.
-fn rays_a_sample(world: World, of: fn(&Rays) -> u32) -> Result<Vec<[u8; 3]>> {
+/// What the frameless host spent on a pixel.
+#[derive(Clone, Copy, Default)]
+struct Count {
+    /// Rays of the effect.
+    rays: u32,
+    samples: u32,
+}
+
+/// Pixel by pixel, with the rays of an effect.
+fn count(world: World, of: fn(&Rays) -> u32) -> Result<Vec<Count>> {
     let promise = Promise {
         layout: Method::Adaptive.layout(),
         tile_fields: Method::Adaptive.tile_fields(),
@@ -126,20 +244,24 @@ fn rays_a_sample(world: World, of: fn(&Rays) -> u32) -> Result<Vec<[u8; 3]>> {
         Method::Adaptive.sampler(UVec2::splat(SIDE), 1),
         promise,
     );
-    let mut sums = vec![(0u32, 0u32); (SIDE * SIDE) as usize];
+    let mut counts = vec![Count::default(); (SIDE * SIDE) as usize];
     let mut bytes = Vec::new();
-    for index in 0..REFRESHES {
+    for index in 0..COUNTED.end {
         bytes.clear();
         host.advance(&mut bytes)?;
-        for shot in host.shots().iter().filter(|_| 3 * index >= 2 * REFRESHES) {
+        for shot in host.shots().iter().filter(|_| COUNTED.contains(&index)) {
             let at = shot.pixel.as_uvec2();
-            let sum = &mut sums[(at.y * SIDE + at.x) as usize];
-            *sum = (sum.0 + of(&shot.hit.rays), sum.1 + 1);
+            let count = &mut counts[(at.y * SIDE + at.x) as usize];
+            count.rays += of(&shot.hit.rays);
+            count.samples += 1;
         }
     }
-    let shade = |(rays, samples): &(u32, u32)| match samples {
+    Ok(counts)
+}
+
+fn rays_a_sample(count: &Count) -> [u8; 3] {
+    match count.samples {
         0 => [0; 3],
-        samples => heat((*rays as f32 / *samples as f32).round() as u8),
-    };
-    Ok(sums.iter().map(shade).collect())
+        samples => heat((count.rays as f32 / samples as f32).round() as u8),
+    }
 }
