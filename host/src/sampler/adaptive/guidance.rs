@@ -169,6 +169,9 @@ impl Guidance {
     /// nothing is guided. Of tiles with equal error the cheaper ones give more for the same rays:
     /// n ∝ s/√cost.
     pub(super) fn cost(&self, tile: usize) -> f32 {
+        if self.met == [false; 3] {
+            return 1.0;
+        }
         let tile = &self.tiles[tile];
         if tile.samples <= 0.5 {
             return 1.0;

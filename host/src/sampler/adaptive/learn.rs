@@ -114,7 +114,9 @@ impl Adaptive {
             self.cells.deposit(fresh, at, depth);
             return;
         }
-        let tile = &mut self.tiles[self.grid.of(find.pixel)];
+        let index = self.grid.of(find.pixel);
+        self.learned.push(index as u32);
+        let tile = &mut self.tiles[index];
         if self.cells.plane[find.pixel as usize].front == NONE {
             tile.covered += 1.0;
         }
@@ -177,6 +179,7 @@ impl Adaptive {
         cell.gradients[1] += dt * dt;
         cell.residuals[0] += 1.0;
         cell.residuals[1] += r2;
+        self.learned.push(intent.tile);
         let tile = &mut self.tiles[intent.tile as usize];
         tile.samples += 1.0;
         tile.colour += fresh.colour;
@@ -190,6 +193,7 @@ impl Adaptive {
         self.cut = Some(since);
         self.cells.clear();
         self.tiles.fill(Tile::default());
+        self.learn_anew();
         // What is left of the batch was aimed at cells that are gone.
         self.scratch
             .intents

@@ -63,6 +63,9 @@ pub struct Adaptive {
     /// Objects seen so far, in the order of their first samples.
     objects: Vec<u8>,
     tiles: Vec<Tile>,
+    /// The error of a sample in each tile, and the tiles that have learned since.
+    errors: Vec<f32>,
+    learned: Vec<u32>,
     fading: Fading,
     guidance: Guidance,
     alarm: Alarm,
@@ -150,6 +153,8 @@ impl Adaptive {
             still: false,
             objects: Vec::new(),
             tiles: vec![Tile::default(); grid.len()],
+            errors: vec![0.0; grid.len()],
+            learned: (0..grid.len() as u32).collect(),
             fading: Fading::default(),
             guidance: Guidance::new(grid.columns, grid.rows),
             alarm: Alarm::default(),

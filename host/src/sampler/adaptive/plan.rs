@@ -3,26 +3,30 @@
 use glam::{Vec2, Vec3};
 
 use super::cells::NONE;
-use super::{Adaptive, Aim, Intent, Plan, SIDE, Span, allocate, golden_stride, within};
+use super::{Adaptive, Aim, Intent, Plan, SIDE, Span, Tile, allocate, golden_stride, within};
 
 impl Adaptive {
     /// Shares `count` shots out among the tiles: fills `scratch.visits`.
     pub(super) fn allocate(&mut self, count: usize) {
         let c = &self.config;
         let s = &mut self.scratch;
-        s.errors.clear();
-        s.filled.clear();
-        for (i, tile) in self.tiles.iter().enumerate() {
-            let area = self.grid.areas[i];
-            let error = if c.residuals {
-                tile.error(area - tile.covered, c)
+        // A batch reaches a fifth of the tiles, and a square root for each is most of this function.
+        for tile in self.learned.drain(..) {
+            let (i, tile) = (tile as usize, &self.tiles[tile as usize]);
+            self.errors[i] = if c.residuals {
+                tile.error(self.grid.areas[i] - tile.covered, c)
             } else {
                 1.0
             };
-            s.errors.push(error * area / self.guidance.cost(i));
-            s.filled
-                .push(if c.water_filling { tile.samples } else { 0.0 });
         }
+        s.errors.clear();
+        s.errors.extend(
+            (self.errors.iter().zip(&self.grid.areas).enumerate())
+                .map(|(i, (error, area))| error * area / self.guidance.cost(i)),
+        );
+        s.filled.clear();
+        let filled = |tile: &Tile| if c.water_filling { tile.samples } else { 0.0 };
+        s.filled.extend(self.tiles.iter().map(filled));
         let (level, _) = allocate::water_level(&s.errors, &s.filled, count as f32);
         let everywhere = c.uniform_share * count as f32 / (self.grid.size.element_product() as f32);
         s.shares.clear();

@@ -95,9 +95,16 @@ impl Adaptive {
         self.lifetimes.solve(&self.noise, step);
     }
 
+    /// No tile's error holds any longer.
+    pub(super) fn learn_anew(&mut self) {
+        self.learned.clear();
+        self.learned.extend(0..self.tiles.len() as u32);
+    }
+
     /// Sums the front cells up in their tiles.
     fn sum(&mut self) {
         self.tiles.fill(Tile::default());
+        self.learn_anew();
         self.lifetimes.clear();
         let mut covered = 0;
         for (i, cell) in self.cells.pool.iter().enumerate() {
