@@ -39,7 +39,7 @@ pub struct Config {
     /// Whether a ray tests if a reprojected crosshair's centre is still seen (§6.1).
     pub occlusion: bool,
     /// What such a ray costs, samples. Measured: `cargo run --release -p unframed-host --example
-    /// paper_cost`.
+    /// occlusion_ray`.
     pub occlusion_cost: f64,
     /// κ: the share of variance in a tile's error (§6.1), 0..=1.
     pub kappa: f64,
