@@ -112,12 +112,12 @@ fn decibels(points: &[Point], dir: &Path) -> Result<Section> {
         "samples/s",
         "N",
         "fit",
-        "hidden test",
+        "hidden",
         "display, s",
         "host, s",
         "kB/s",
         "RAM, kB",
-        "M7, million instr./refresh",
+        "M7, million",
         "on front",
     ];
     let mut table = Table::new(heads);
@@ -143,9 +143,13 @@ fn decibels(points: &[Point], dir: &Path) -> Result<Section> {
             },
         ]);
     }
+    let table = table.caption(
+        "Display and host: core seconds of this machine for a second. M7: instructions of a \
+         Cortex-M7 for a mean refresh.",
+    );
     section.table(&table);
     let heads = ["from", "to", "gained, dB"].map(str::to_owned);
-    let costs = COSTS.iter().map(|(name, _)| format!("{name}, per dB"));
+    let costs = COSTS.iter().map(|(name, _)| (*name).to_owned());
     let mut table = Table::new(heads.into_iter().chain(costs)).caption(
         "From preset to preset: by what factor each cost grows, and in brackets per decibel \
          gained.",

@@ -54,7 +54,7 @@ impl Along {
             Self::Samples => [1024, 2048, 4096, 8192, 16_384]
                 .map(|samples| (side, samples, rate))
                 .to_vec(),
-            Self::Pixels => [16, 22, 32, 46, 64]
+            Self::Pixels => [16, 24, 32, 48, 64]
                 .map(|side| (side, samples, rate))
                 .to_vec(),
             Self::Rate => [4096, 8192, 16_384, 32_768, 65_536]

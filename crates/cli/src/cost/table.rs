@@ -251,6 +251,7 @@ pub fn csv(points: &[Point]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cost::knobs::PRESETS;
 
     #[test]
     fn a_slope_is_a_slope() {
@@ -259,5 +260,61 @@ mod tests {
         assert!((found + 0.5).abs() < 1e-12);
         assert_eq!(slope(&[line(0.0), line(1.0)]), None);
         assert_eq!(slope(&[line(1.0); 4]), None);
+    }
+
+    /// The sweep of three scenes at 128 × 128 pixels, as `docs/RESULTS.md` says it was made.
+    const SWEPT: &str = include_str!("../../../../docs/cost.csv");
+
+    /// What was measured once: names of columns to cells, a point each.
+    fn swept() -> Vec<std::collections::BTreeMap<&'static str, &'static str>> {
+        let mut lines = SWEPT.lines();
+        let heads: Vec<&str> = lines.next().unwrap().split(',').collect();
+        lines
+            .map(|line| heads.iter().copied().zip(line.split(',')).collect())
+            .collect()
+    }
+
+    /// Held to the table: every preset is a point of it, and no point of it beats one. Instructions
+    /// stand for time: they repeat exactly.
+    #[test]
+    fn no_preset_is_beaten_in_the_table() {
+        let table = swept();
+        let costs = |row: &std::collections::BTreeMap<&str, &str>| -> Option<Costs> {
+            let number = |name: &str| row[name].parse::<f64>().ok();
+            let each = number("instructions_per_sample")?;
+            Some([
+                number("rmse")?,
+                each * number("rate")?,
+                number("bytes_per_second")?,
+                number("ram_bytes")?,
+            ])
+        };
+        let all: Vec<Costs> = table.iter().filter_map(costs).collect();
+        assert!(all.len() > 80, "{}", all.len());
+        let beaten = all.iter().filter(|own| dominated_by(own, &all) > 0.03);
+        assert!(beaten.count() > 10, "nothing is found beaten");
+        for preset in PRESETS {
+            let knobs = preset.knobs().described(128 * 128);
+            let cells = [
+                ("method", knobs.method.to_owned()),
+                ("rate", knobs.rate.to_string()),
+                ("samples", knobs.samples.to_string()),
+                ("format", "fixed".to_owned()),
+                ("fit", knobs.fit.to_owned()),
+                ("hidden", knobs.hidden.to_string()),
+                ("extents", knobs.extents),
+                ("lifetime", knobs.lifetime),
+                ("kernel", knobs.kernel.to_owned()),
+                ("fill", knobs.fill.to_string()),
+                ("light", knobs.light.to_owned()),
+            ];
+            let name = preset.name;
+            let row = table
+                .iter()
+                .find(|row| cells.iter().all(|(head, cell)| row[head] == cell))
+                .unwrap_or_else(|| panic!("`{name}` is not in docs/cost.csv: sweep again"));
+            let by = dominated_by(&costs(row).unwrap(), &all);
+            assert!(by <= 0.03, "`{name}` is beaten by {by}");
+        }
     }
 }
