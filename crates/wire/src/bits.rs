@@ -47,7 +47,20 @@ impl<'a> BitReader<'a> {
         }
     }
 
+    /// Makes `have` at least 25, or takes all there is.
+    #[inline]
     fn refill(&mut self) {
+        if let Some(next) = self.data.first_chunk::<4>() {
+            let free = 32 - self.have;
+            let next = u32::from_be_bytes(*next)
+                .checked_shr(self.have)
+                .unwrap_or(0);
+            // Whole bytes alone.
+            self.acc |= next >> (free % 8) << (free % 8);
+            self.have += free & !7;
+            self.data = self.data.get((free >> 3) as usize..).unwrap_or_default();
+            return;
+        }
         while self.have <= 24 {
             let Some((&byte, rest)) = self.data.split_first() else {
                 return;
@@ -59,8 +72,11 @@ impl<'a> BitReader<'a> {
     }
 
     /// The next `n` bits, `n` ≤ 24.
+    #[inline]
     pub(crate) fn bits(&mut self, n: u32) -> Option<u32> {
-        self.refill();
+        if n > self.have {
+            self.refill();
+        }
         if n > self.have || n > 24 {
             return None;
         }
@@ -82,14 +98,22 @@ impl<'a> BitReader<'a> {
 
     /// A Rice code of parameter `k` ≤ 31; escaped values have `width` ≤ 32 bits.
     pub(crate) fn rice(&mut self, k: u32, width: u32) -> Option<u32> {
-        self.refill();
+        // The longest start of a code, and what its last bits seldom go beyond.
+        if self.have < ESCAPE + 8 {
+            self.refill();
+        }
         let ones = self.acc.leading_ones().min(ESCAPE);
         if ones == ESCAPE {
             self.bits(ESCAPE)?;
             self.wide(width)
         } else {
             self.bits(ones + 1)?;
-            Some((ones.checked_shl(k).unwrap_or(0)) | self.wide(k)?)
+            let low = if k <= 24 {
+                self.bits(k)?
+            } else {
+                self.wide(k)?
+            };
+            Some((ones.checked_shl(k).unwrap_or(0)) | low)
         }
     }
 }

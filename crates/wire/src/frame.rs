@@ -89,6 +89,24 @@ impl Deframer {
         }
     }
 
+    /// Takes the data bytes at the front of `input` that are due before the next code, as far as
+    /// they go in one piece; their number. The bytes after them are for [`Deframer::push`].
+    pub(crate) fn run(&mut self, input: &[u8]) -> usize {
+        let due = input.len().min(usize::from(self.until_code));
+        let room = self.buffer.get_mut(self.len..).unwrap_or_default();
+        let mut taken = 0;
+        for (place, byte) in room.iter_mut().zip(input.get(..due).unwrap_or_default()) {
+            if *byte == 0 {
+                break;
+            }
+            *place = *byte;
+            taken += 1;
+        }
+        self.len += taken;
+        self.until_code -= taken as u8;
+        taken
+    }
+
     pub(crate) fn push(&mut self, byte: u8) -> Step {
         if byte == 0 {
             let step = match (self.started, self.bad || self.until_code > 0) {
@@ -170,6 +188,39 @@ mod tests {
             let report = cobs::decode(ours, &mut back).unwrap();
             prop_assert_eq!(&back[..report.frame_size()], &packet[..]);
             prop_assert_eq!(unframe(&frame[..len]), Some(packet));
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn runs_are_taken_as_their_bytes_are(
+            bytes in proptest::collection::vec(prop_oneof![1 => Just(0u8), 3 => 1u8..6, 12 => any::<u8>()], 0..900),
+            cuts in proptest::collection::vec(0usize..40, 0..60),
+        ) {
+            let (mut ones, mut runs) = (Deframer::new(), Deframer::new());
+            let mut rest = &bytes[..];
+            let mut cuts = cuts.into_iter().chain(core::iter::repeat(usize::MAX));
+            while !rest.is_empty() {
+                // What has come so far may end anywhere.
+                let (here, later) = rest.split_at(rest.len().min(cuts.next().unwrap_or(1)));
+                let mut here = here;
+                while !here.is_empty() {
+                    let taken = runs.run(here);
+                    for byte in &here[..taken] {
+                        prop_assert_eq!(ones.push(*byte), Step::More);
+                    }
+                    here = &here[taken..];
+                    if let Some((byte, after)) = here.split_first() {
+                        let step = runs.push(*byte);
+                        prop_assert_eq!(ones.push(*byte), step);
+                        if let Step::Whole(len) = step {
+                            prop_assert_eq!(ones.packet(len), runs.packet(len));
+                        }
+                        here = after;
+                    }
+                }
+                rest = later;
+            }
         }
     }
 

@@ -149,6 +149,10 @@ impl Receiver {
     /// ```
     pub fn push<'a>(&'a mut self, input: &mut &[u8]) -> Option<Packet<'a>> {
         let (kind, len) = loop {
+            let run = self.deframer.run(input);
+            self.counters.bytes += run as u64;
+            self.frame_bytes += run as u64;
+            *input = input.get(run..).unwrap_or_default();
             let (&byte, rest) = input.split_first()?;
             *input = rest;
             if let Some(found) = self.byte(byte) {
