@@ -11,7 +11,7 @@ use crate::trace::Rays;
 
 /// The squared error that is left alone, displayed levels; the numbers for others are in
 /// `docs/RESULTS.md`.
-const TOLERATED: f32 = 1.8 * 1.8;
+const TOLERATED: f32 = 1.5 * 1.5;
 
 /// What a component is computed for.
 #[derive(Clone, Copy)]

@@ -184,7 +184,7 @@ fn heat(samples: u8) -> [u8; 3] {
     if more == 0 {
         return [20, 30, 130];
     }
-    [(75 + 180 * more / (MOST - 1)) as u8, 20, 20]
+    [(75 + 180 * more / (MOST - 1)).min(255) as u8, 20, 20]
 }
 
 fn codes(light: &[glam::Vec3]) -> Vec<[u8; 3]> {

@@ -155,9 +155,10 @@ const TRACED: [Traced; 4] = [
 
 /// Writes `effect-NAME.png` for each effect: off, on, and where refinement went.
 ///
-/// Of what is interleaved: samples a pixel of the frame (blue is one, bright red nine) and rays a
-/// sample of the frameless host. Of what is traced: samples a pixel of the frameless host with the
-/// effect (white is four times the mean or more) and, if it has rays, rays a sample.
+/// Of what is interleaved: samples a pixel of the frame and rays a sample of the frameless host (blue
+/// is one or none, bright red nine or more). Of what is traced: samples a pixel of the frameless host
+/// with the effect (white is four times the mean or more) and, if it has rays, rays a sample
+/// (black is none, white three or more).
 ///
 /// # Errors
 /// A file cannot be written.
@@ -186,7 +187,7 @@ pub(super) fn strips(out: &Path) -> Result<()> {
             codes(&off.light),
             codes(&on.light),
             framed.collect(),
-            counts.iter().map(rays_a_sample).collect(),
+            (counts.iter().map(|c| heat(c.rays_a_sample().round() as u8))).collect(),
         ];
         write(subject.name, &parts)?;
     }
@@ -203,7 +204,8 @@ pub(super) fn strips(out: &Path) -> Result<()> {
         let share = |c: &Count| [(c.samples as f32 / mean * 64.0).min(255.0) as u8; 3];
         let mut parts = vec![off, on, counts.iter().map(share).collect()];
         if subject.rays.is_some() {
-            parts.push(counts.iter().map(rays_a_sample).collect());
+            let rays = |c: &Count| [(85.0 * c.rays_a_sample()).min(255.0) as u8; 3];
+            parts.push(counts.iter().map(rays).collect());
         }
         write(subject.name, &parts)?;
     }
@@ -229,6 +231,12 @@ struct Count {
     /// Rays of the effect.
     rays: u32,
     samples: u32,
+}
+
+impl Count {
+    fn rays_a_sample(&self) -> f32 {
+        self.rays as f32 / self.samples.max(1) as f32
+    }
 }
 
 /// Pixel by pixel, with the rays of an effect.
@@ -257,11 +265,4 @@ fn count(world: World, of: fn(&Rays) -> u32) -> Result<Vec<Count>> {
         }
     }
     Ok(counts)
-}
-
-fn rays_a_sample(count: &Count) -> [u8; 3] {
-    match count.samples {
-        0 => [0; 3],
-        samples => heat((count.rays as f32 / samples as f32).round() as u8),
-    }
 }
