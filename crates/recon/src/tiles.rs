@@ -1,7 +1,8 @@
 //! The tile map: what the stream's tiles say, rasterised into square cells.
 //!
 //! A cell takes the values of the tile that holds its centre, so a tile costs work in proportion
-//! to its cells and one smaller than a cell may fall between centres.
+//! to its cells and one smaller than a cell may fall between centres. The centre of a cell at the
+//! border that lies beyond the panel counts as the last pixel before it.
 
 use unframed_wire::{LogCode, Tile};
 
@@ -75,6 +76,8 @@ pub struct TileMap<'a> {
     cells: &'a mut [Cell],
     columns: usize,
     rows: usize,
+    /// Width and height of the panel.
+    size: [u16; 2],
 }
 
 impl<'a> TileMap<'a> {
@@ -93,6 +96,7 @@ impl<'a> TileMap<'a> {
             cells,
             columns,
             rows,
+            size: [width, height],
         })
     }
 
@@ -110,8 +114,9 @@ impl<'a> TileMap<'a> {
             lifetime: tile.lifetime,
             density: tile.density,
         };
-        let columns = centres(tile.rect.x, tile.rect.w, self.columns);
-        for row in centres(tile.rect.y, tile.rect.h, self.rows) {
+        let [width, height] = self.size;
+        let columns = centres(tile.rect.x, tile.rect.w, width);
+        for row in centres(tile.rect.y, tile.rect.h, height) {
             if let Some(cells) = self
                 .cells
                 .get_mut(row * self.columns..)
@@ -170,13 +175,20 @@ impl<'a> TileMap<'a> {
     }
 }
 
-/// The cells whose centres lie in `start..start + length`.
-fn centres(start: u16, length: u16, limit: usize) -> core::ops::Range<usize> {
+/// The cells whose centres lie in `start..start + length` of `size` pixels.
+fn centres(start: u16, length: u16, size: u16) -> core::ops::Range<usize> {
     let half = CELL / 2;
-    let first = (usize::from(start) + half - 1) >> CELL_BITS;
-    let end = (usize::from(start) + usize::from(length) + half - 1) >> CELL_BITS;
-    let end = end.min(limit);
-    first.min(end)..end
+    let (start, size) = (usize::from(start), usize::from(size));
+    let limit = size.div_ceil(CELL);
+    // The first cell whose centre does not lie before a place.
+    let from = |place: usize| {
+        if place < size {
+            (place + half - 1) >> CELL_BITS
+        } else {
+            limit
+        }
+    };
+    from(start)..from(start + usize::from(length))
 }
 
 #[cfg(test)]
@@ -194,15 +206,27 @@ mod tests {
 
     #[test]
     fn a_cell_takes_the_tile_with_its_centre() {
-        for start in 0..12u16 {
-            for length in 0..12u16 {
-                let got = centres(start, length, 4);
-                for cell in 0..4usize {
-                    let centre = (cell * CELL + CELL / 2) as u16;
-                    let inside = (start..start + length).contains(&centre);
-                    assert_eq!(got.contains(&cell), inside, "{start} {length} {cell}");
+        for size in 1..=16u16 {
+            for (start, length) in (0..20).flat_map(|s| (0..20).map(move |l| (s, l))) {
+                let got = centres(start, length, size);
+                for cell in 0..6 {
+                    let centre = ((cell * CELL + CELL / 2) as u16).min(size - 1);
+                    let inside = cell * CELL < usize::from(size)
+                        && (start..start + length).contains(&centre);
+                    let case = (size, start, length, cell);
+                    assert_eq!(got.contains(&cell), inside, "{case:?}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn a_tile_of_the_whole_panel_reaches_every_cell() {
+        for size in 1..=33u16 {
+            let mut cells = [Cell::default(); 81];
+            let mut map = TileMap::new(&mut cells, size, size).expect("9 x 9 cells");
+            map.set(&tile(0, 0, size, size, RESTS.0));
+            assert!(map.rests(), "{size}");
         }
     }
 
