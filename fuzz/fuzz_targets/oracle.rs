@@ -7,6 +7,8 @@
 mod accuracy;
 #[path = "../../tests/src/fuzzed.rs"]
 mod fuzzed;
+#[path = "../../tests/src/holes.rs"]
+mod holes;
 #[path = "../../tests/src/stream.rs"]
 #[expect(dead_code, reason = "streams of other tests")]
 mod stream;

@@ -9,6 +9,7 @@
 //!
 //! The fuzz target `oracle` includes this file: it needs the reconstructor and the wire alone.
 
+use crate::holes;
 use unframed_recon::arith::{GUARD, REACH};
 use unframed_recon::config::Extents;
 use unframed_recon::decisions::Decision;
@@ -83,8 +84,9 @@ pub struct Errors {
 pub struct Accuracy {
     /// Pixels that no flipped sample reaches, by the largest difference of their three colours.
     pub others: [usize; 256],
-    /// Pixels that a flipped sample reaches, the same way, or one whose place integers do not know
-    /// to half a step: views that no camera has make those.
+    /// Pixels that a flipped sample reaches, by itself or through the holes that are filled from
+    /// where it does, the same way; or one whose place integers do not know to half a step: views
+    /// that no camera has make those.
     pub reached: [usize; 256],
     /// Samples in sight, summed over refreshes: each was decided upon.
     pub decisions: usize,
@@ -168,7 +170,10 @@ pub fn compare(bytes: &[u8], setting: &Setting) -> Accuracy {
             .collect();
         let mut flipped = Flipped::new(&panel, setting.config.extents, &mut accuracy);
         flipped.find(&pairs);
-        let (reached, weights) = (flipped.reached, flipped.weights);
+        let (mut reached, weights) = (flipped.reached, flipped.weights);
+        if setting.config.fill {
+            holes::reach(usize::from(width), &weights, &mut reached);
+        }
         let ours = fixed.display().picture().iter();
         let pixels = ours.zip(oracle.display().picture());
         for (((ours, theirs), reached), weight) in pixels.zip(reached).zip(weights) {

@@ -3,6 +3,7 @@
 //! | module | concern |
 //! |---|---|
 //! | [`accuracy`] | integers against the oracle, decision by decision |
+//! | [`holes`] | what a decision reaches through holes that are filled |
 //! | [`fuzzed`] | streams made of any bytes |
 //! | [`stream`] | streams made by hand |
 //! | [`scenes`] | streams of the built-in scenes, recorded by the host |
@@ -17,5 +18,6 @@ pub mod backends;
 pub mod cases;
 pub mod controller;
 pub mod fuzzed;
+pub mod holes;
 pub mod scenes;
 pub mod stream;
