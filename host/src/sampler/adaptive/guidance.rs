@@ -235,26 +235,36 @@ mod tests {
         }
     }
 
-    /// A guidance that has seen `n` samples whose rays of soft shadows brought `light` in turn.
-    fn taught(n: usize, light: [f32; 2]) -> Guidance {
-        let mut guidance = Guidance::new(1, 1);
+    /// Lets a tile see `n` samples whose rays of soft shadows brought `light` in turn.
+    fn teach(guidance: &mut Guidance, tile: u32, n: usize, light: [f32; 2]) {
         for _ in 0..n {
             let mut told = Told::default();
             told.add(care::SOFT, &light);
-            guidance.learn(0, &told);
+            guidance.learn(tile, &told);
         }
+    }
+
+    /// A guidance of one tile that has seen that.
+    fn taught(n: usize, light: [f32; 2]) -> Guidance {
+        let mut guidance = Guidance::new(1, 1);
+        teach(&mut guidance, 0, n, light);
         guidance
+    }
+
+    /// A grey tile that holds enough.
+    fn grey() -> Tile {
+        Tile {
+            samples: 50.0,
+            covered: 16.0,
+            residuals: [50.0, 50.0 * 15.0 * 15.0],
+            colour: Vec3::splat(50.0 * 128.0),
+        }
     }
 
     #[test]
     fn rays_go_where_rays_disagree() {
         let config = Config::default();
-        let tile = Tile {
-            samples: 50.0,
-            covered: 16.0,
-            residuals: [50.0, 50.0 * 15.0 * 15.0],
-            colour: Vec3::splat(50.0 * 128.0),
-        };
+        let tile = grey();
         let rays = |light| taught(60, light).care(0, &tile, &config).rays;
         assert_eq!(
             rays([0.3, 0.3]),
@@ -283,27 +293,17 @@ mod tests {
     #[test]
     fn a_tile_that_has_seen_little_listens_to_its_neighbours() {
         let config = Config::default();
-        let tile = Tile {
-            samples: 50.0,
-            covered: 16.0,
-            residuals: [50.0, 50.0 * 15.0 * 15.0],
-            colour: Vec3::splat(50.0 * 128.0),
-        };
-        let told = |light: [f32; 2]| {
-            let mut told = Told::default();
-            told.add(care::SOFT, &light);
-            told
-        };
+        let tile = grey();
         let mut guidance = Guidance::new(3, 3);
-        (0..60).for_each(|_| guidance.learn(0, &told([0.3, 0.3])));
+        teach(&mut guidance, 0, 60, [0.3, 0.3]);
         let corner = guidance.care(4, &tile, &config).rays;
         assert_eq!(corner, [FIRST; 3], "a corner is no neighbour");
         for beside in [1, 3, 5] {
-            (0..60).for_each(|_| guidance.learn(beside, &told([0.3, 0.3])));
+            teach(&mut guidance, beside, 60, [0.3, 0.3]);
         }
         assert_eq!(guidance.care(4, &tile, &config).rays, [1; 3]);
         // What it sees itself outweighs that.
-        (0..60).for_each(|_| guidance.learn(4, &told([0.0, 0.4])));
+        teach(&mut guidance, 4, 60, [0.0, 0.4]);
         assert!(guidance.care(4, &tile, &config).rays[care::SOFT] >= 4);
     }
 

@@ -7,7 +7,7 @@
 //!    the view and the poses of mid-epoch.
 //! 2. **Lifetimes** ([`lifetime`]): verified samples say how fast light changes where.
 //! 3. In batches of a few milliseconds: **allocate** ([`allocate`]) shots to 4×4-pixel tiles by
-//!    water-filling over residuals, **aim** at the least covered of three pixels, or, for a fifth
+//!    water-filling over residuals, **aim** at the least covered of three pixels, or, for a tenth
 //!    of the shots, look again at a place seen before; **trace**; **learn**: the difference
 //!    between what was seen and what was remembered is the residual.
 //!
