@@ -250,6 +250,29 @@ fn the_memory_is_warped_where_something_moves() {
 }
 
 #[test]
+fn errors_that_are_kept_are_those_of_the_tiles() {
+    let stage = Stage {
+        disc_speed: 1.0,
+        swap: 0.25,
+        ..Stage::new(SIZE)
+    };
+    let config = Config {
+        prior_hole: 0.5,
+        ..Config::default()
+    };
+    let mut sampler = Adaptive::new(SIZE, config.clone());
+    for epoch in 0..30 {
+        work(&mut sampler, &stage, f64::from(epoch) / 60.0, 1.0 / 60.0);
+        sampler.allocate(1);
+        for (i, tile) in sampler.tiles.iter().enumerate() {
+            let error = tile.error(sampler.grid.areas[i] - tile.covered, &config);
+            assert_eq!(sampler.errors[i], error, "tile {i} after epoch {epoch}");
+        }
+    }
+    assert_eq!(sampler.stats().cuts, 1);
+}
+
+#[test]
 fn a_cut_is_noticed_within_a_refresh_or_two() {
     let stage = Stage {
         swap: 0.5,
