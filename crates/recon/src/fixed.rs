@@ -319,7 +319,7 @@ impl Arith for Fixed {
         let determinant = (xx * yy - xy * xy).max(RIDGE * RIDGE / 4);
         // The plane at the centre is c − cov(x, c)·hx − cov(y, c)·hy.
         let by = Divider::new(determinant as u64);
-        // Numerators below 2^22·2^25 px³; |h| ≤ 4 px/RIDGE < 2^8 a pixel: 23 fractional bits.
+        // Numerators below 2^22·2^25 px³; |h| ≤ √2·4 px/RIDGE < 2^6 a pixel: 23 fractional bits.
         let hx = i64::from(by.ratio((yy * x - xy * y) >> 12, -4)) >> 11;
         let hy = i64::from(by.ratio((xx * y - xy * x) >> 12, -4)) >> 11;
         let light = |k: usize| {

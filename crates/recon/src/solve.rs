@@ -10,8 +10,9 @@
 
 use crate::arith::{ANCHOR_BITS, Arith, Moments, Sums, Texel};
 
-/// The ridge ρ, px² with 20 fractional bits: 0.04.
-pub const RIDGE_Q20: i64 = 41943;
+/// The ridge ρ, px² with 20 fractional bits: 0.1. It bounds |h| by |(E[x], E[y])|/ρ,
+/// which is what rounded coordinates are enlarged by: 0.04 px² doubles that and errs no less.
+pub const RIDGE_Q20: i64 = 104858;
 
 /// Solves pixels by their means.
 pub fn means<A: Arith>(sums: &[Sums<A>], texels: &mut [Texel<A>]) {

@@ -4,8 +4,8 @@
 @group(0) @binding(3) var<storage, read> moments: array<array<W64, 11>>;
 @group(0) @binding(4) var<storage, read_write> texels: array<Texel>;
 
-// The ridge on the slopes, px² with 20 fractional bits: 0.04.
-const RIDGE: u32 = 41943u;
+// The ridge on the slopes, px² with 20 fractional bits: 0.1.
+const RIDGE: u32 = 104858u;
 
 fn average(d: Divider, v: W64, bits: i32) -> W64 { return w64_from_i32(ratio(d, v, bits)); }
 
