@@ -43,10 +43,14 @@ fn ideals(name: &str, world: &World, seconds: f64) -> Vec<(u32, Picture)> {
             let file = PathBuf::from(&folder).join(format!("ideal8-{name}-{refresh}.rgb"));
             let stored = std::fs::read(&file).ok();
             let picture = stored.map_or_else(
-                || trace::ideal(&mut world, f64::from(refresh) / f64::from(HERTZ), 4),
+                || {
+                    let time = f64::from(refresh) / f64::from(HERTZ);
+                    let picture = trace::ideal(&mut world, time, 4);
+                    std::fs::write(&file, picture.as_flattened()).ok();
+                    picture
+                },
                 |bytes| bytes.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
             );
-            std::fs::write(&file, picture.as_flattened()).ok();
             (refresh, picture)
         })
         .collect()
@@ -98,19 +102,14 @@ fn turn(config: &mut Config, key: &str, number: f32) {
         "batch" => config.batch = f64::from(number),
         "uniform_share" => config.uniform_share = number,
         "verify_share" => config.verify_share = number,
-        "full" => config.full = number,
         "residuals" => config.residuals = on,
         "water_filling" => config.water_filling = on,
         "lifetimes" => config.lifetimes = on,
-        "hidden_test" => config.hidden_test = on,
-        "second_layer" => config.second_layer = on,
-        "guard" => config.guard = number,
         "cuts" => config.cuts = on,
         "residual_memory" => config.residual_memory = number,
         "gradient_memory" => config.gradient_memory = number,
         "residual_prior" => config.residual_prior = number,
         "prior_weight" => config.prior_weight = number,
-        "prior_hole" => config.prior_hole = number,
         "residual_floor" => config.residual_floor = number,
         "recovery" => config.recovery = number,
         "lifetime_max" => config.lifetime_max = number,

@@ -22,12 +22,6 @@ pub enum Part {
     Lifetimes,
     /// Sampler: lifetimes balance staleness against noise, instead of a tolerance.
     Balance,
-    /// Sampler: points behind their neighbours stop counting.
-    SamplerHidden,
-    /// Sampler: hidden cells are remembered.
-    SecondLayer,
-    /// Sampler: cells beyond the edge are remembered.
-    Guard,
     /// Sampler: cuts are noticed.
     Cuts,
     /// Display: samples behind others are dropped.
@@ -55,7 +49,7 @@ struct Entry {
     display: fn(&mut Config),
 }
 
-const PARTS: [Entry; 15] = [
+const PARTS: [Entry; 12] = [
     Entry {
         part: Part::Residuals,
         name: "adaptive-no-residuals",
@@ -92,27 +86,6 @@ const PARTS: [Entry; 15] = [
         name: "adaptive-no-balance",
         instead: "samples live until they are a tolerance off",
         sampler: |c| c.balanced = false,
-        display: |_| {},
-    },
-    Entry {
-        part: Part::SamplerHidden,
-        name: "adaptive-no-sampler-hidden-test",
-        instead: "cells behind their neighbours still count",
-        sampler: |c| c.hidden_test = false,
-        display: |_| {},
-    },
-    Entry {
-        part: Part::SecondLayer,
-        name: "adaptive-no-second-layer",
-        instead: "hidden cells are forgotten",
-        sampler: |c| c.second_layer = false,
-        display: |_| {},
-    },
-    Entry {
-        part: Part::Guard,
-        name: "adaptive-no-guard",
-        instead: "cells beyond the edge are forgotten",
-        sampler: |c| c.guard = 0.0,
         display: |_| {},
     },
     Entry {

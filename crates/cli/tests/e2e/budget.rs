@@ -98,7 +98,7 @@ fn what_the_solver_promises_a_board_counts() {
             "cortex-m4@500MHz ram=4MiB 96x40@60Hz",
             "time",
         ),
-        ("toycar", "rv32imac@9GHz link=1Mbit/s 60x80@60Hz", "link"),
+        ("toycar", "rv32imac@9GHz link=1.1Mbit/s 60x80@60Hz", "link"),
     ] {
         let out = tempfile::tempdir().expect("a directory");
         let answer = ask(scene, budget, out.path());

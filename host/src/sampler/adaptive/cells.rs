@@ -1,17 +1,16 @@
-//! What the sampler remembers: a pool of cells, at most about one for each pixel of the map and
-//! surface. Pixels here are those of the map.
+//! What the sampler remembers: a pool of cells, about one for each pixel of the map. Pixels here
+//! are those of the map.
 //!
 //! A cell stands for the samples that fell on one pixel's worth of a surface. It keeps the place
 //! of the newest of them *in its object's coordinates*, so that it moves as the surface moves.
 //! Once an epoch the pool is walked in memory order: each cell ages, is projected to the view of
-//! the epoch and takes its pixel in the planes (`front`, `back`: indices of cells), which are
-//! small enough to stay in cache. Cells that meet in a pixel at one depth merge; otherwise the
-//! nearer is in front and the other waits behind it. Cells outside the image wait unseen.
+//! the epoch and takes its pixel in the plane (of indices of cells), which is small enough to stay
+//! in cache. Cells that meet in a pixel at one depth merge; otherwise the nearer stays. What is
+//! hidden or outside the image is forgotten: to remember it (a second layer, a guard band of 32
+//! pixels), and to take out what shines through a nearer surface's gaps, was worth less than 1 %.
 
 use glam::{UVec2, Vec2, Vec3};
 
-use super::SIDE;
-use super::config::Config;
 use super::guidance::Points;
 use super::projection::{Projection, same_depth};
 use crate::sampler::srgb::squared_difference;
@@ -96,71 +95,51 @@ pub(super) struct Fading {
     pub(super) step: f32,
     /// Factor of the weights in each lifetime tile.
     pub(super) weights: Vec<f32>,
-    /// Factor of the weight of cells outside the image.
-    pub(super) unseen: f32,
     /// Factor of the residuals.
     pub(super) residuals: f32,
     /// Factor of the gradients.
     pub(super) gradients: f32,
 }
 
-/// A pixel of the planes: one look-up for all that is asked of it.
+/// A pixel of the plane: one look-up for all that is asked of it.
 ///
-/// Invariant: `front` and `back` are [`NONE`] or indices of living cells whose `pixel` is this.
+/// Invariant: `front` is [`NONE`] or the index of a living cell whose `pixel` is this.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Spot {
     /// The nearest cell.
     pub(super) front: u32,
-    /// The cell that waits behind it.
-    back: u32,
-    /// Depth of the front cell, metres; infinite without one.
+    /// Its depth, metres.
     depth: f32,
-    /// Weight of the front cell; 0 without one.
-    pub(super) cover: f32,
 }
 
 impl Spot {
     const EMPTY: Self = Self {
         front: NONE,
-        back: NONE,
         depth: f32::INFINITY,
-        cover: 0.0,
     };
 }
 
-/// The pool and its planes.
+/// The pool and its plane.
 #[derive(Clone, Debug)]
 pub(super) struct Cells {
     pub(super) size: UVec2,
     pub(super) pool: Vec<Cell>,
     pub(super) plane: Vec<Spot>,
-    hidden: Vec<u32>,
-    second_layer: bool,
-    hidden_test: bool,
-    guard: f32,
 }
 
 impl Cells {
-    pub(super) fn new(size: UVec2, config: &Config) -> Self {
+    pub(super) fn new(size: UVec2) -> Self {
         let pixels = (size.x * size.y) as usize;
         Self {
             size,
             pool: Vec::with_capacity(2 * pixels),
             plane: vec![Spot::EMPTY; pixels],
-            hidden: Vec::new(),
-            second_layer: config.second_layer,
-            hidden_test: config.hidden_test,
-            guard: config.guard / SIDE as f32,
         }
     }
 
     /// Forgets everything.
     pub(super) fn clear(&mut self) {
         self.pool.clear();
-        self.clear_planes();
-    }
-
-    fn clear_planes(&mut self) {
         self.plane.fill(Spot::EMPTY);
     }
 
@@ -176,104 +155,77 @@ impl Cells {
         }
     }
 
-    fn guarded(&self, at: Option<Vec2>) -> bool {
-        if self.guard == f32::INFINITY {
-            return true;
-        }
-        at.is_some_and(|at| {
-            let beyond = (-at).max(at - self.size.as_vec2()).max_element();
-            beyond < self.guard
-        })
-    }
-
-    /// Moves every cell to a new view. `tile_of` gives a pixel's lifetime tile.
+    /// Moves every cell to a new view; what leaves the image is forgotten. `tile_of` gives a pixel's
+    /// lifetime tile.
     pub(super) fn warp(
         &mut self,
         projection: &Projection,
         fading: &Fading,
         tile_of: impl Fn(u32) -> usize,
     ) {
-        self.clear_planes();
-        // A pool that overflows (many cells outside the image) sheds the faintest first.
-        let crowded = self.pool.len() > 3 * self.plane.len();
-        let least = if crowded { 0.3 } else { FORGOTTEN };
+        self.plane.fill(Spot::EMPTY);
         let mut kept = 0;
         for i in 0..self.pool.len() {
             let mut cell = self.pool[i];
-            if cell.weight <= 0.0 {
+            if cell.pixel != NONE {
+                cell.weight *= fading.weights[tile_of(cell.pixel)];
+            }
+            if cell.weight < FORGOTTEN {
                 continue;
             }
-            cell.born -= fading.step;
-            cell.weight *= if cell.pixel == NONE {
-                fading.unseen
-            } else {
-                fading.weights[tile_of(cell.pixel)]
+            let Some((at, depth)) = projection.project(cell.object, cell.local) else {
+                continue;
             };
+            cell.pixel = self.pixel(at);
+            if cell.pixel == NONE {
+                continue;
+            }
+            cell.depth = depth;
+            cell.born -= fading.step;
             cell.residuals = cell.residuals.map(|r| r * fading.residuals);
             cell.gradients = cell.gradients.map(|g| g * fading.gradients);
-            if cell.weight < least {
-                continue;
-            }
-            let seen = projection.project(cell.object, cell.local);
-            cell.pixel = seen.map_or(NONE, |(at, _)| self.pixel(at));
-            cell.depth = seen.map_or(f32::INFINITY, |(_, depth)| depth);
-            if cell.pixel == NONE && !self.guarded(seen.map(|(at, _)| at)) {
-                continue;
-            }
-            let at = seen.map_or(Vec2::ZERO, |(at, _)| at);
             self.pool[kept] = cell;
-            if cell.pixel == NONE || self.insert(kept as u32, at) {
-                kept += 1;
-            }
+            kept += usize::from(self.insert(kept as u32, at));
         }
         self.pool.truncate(kept);
-        if self.hidden_test {
-            self.hide();
-        }
     }
 
-    /// Gives a cell its place in the planes. False if it is not needed any more: merged into
-    /// another, or hidden and not to be remembered.
+    /// Gives a cell its place in the plane. False if it is not needed any more: hidden, or merged
+    /// into another.
     fn insert(&mut self, index: u32, at: Vec2) -> bool {
         let cell = self.pool[index as usize];
-        let pixel = cell.pixel as usize;
-        let front = self.plane[pixel].front;
+        let Spot { front, depth } = self.plane[cell.pixel as usize];
         if front == NONE {
-            self.bring_forward(pixel, index, &cell);
-            return true;
-        }
-        if same_depth(cell.depth, self.plane[pixel].depth) {
+            self.bring_forward(index);
+        } else if same_depth(cell.depth, depth) {
             if let Some(free) = self.free_beside(at) {
                 self.pool[index as usize].pixel = free as u32;
-                self.bring_forward(free, index, &cell);
+                self.bring_forward(index);
                 return true;
             }
             let other = &mut self.pool[front as usize];
             other.merge(&cell);
-            self.plane[pixel].depth = other.depth;
-            self.plane[pixel].cover = other.weight;
+            self.plane[cell.pixel as usize].depth = other.depth;
+            return false;
+        } else if cell.depth < depth {
+            self.bring_forward(index);
+        } else {
             return false;
         }
-        if cell.depth < self.plane[pixel].depth {
-            self.bring_forward(pixel, index, &cell);
-            self.hide_front(front);
-            return true;
-        }
-        self.hide_behind(index)
+        true
     }
 
-    /// Puts a cell that is no longer in front behind the front cell of its pixel, or forgets it.
-    fn hide_front(&mut self, index: u32) {
-        if !self.hide_behind(index) {
-            self.pool[index as usize].weight = 0.0;
+    /// Makes a cell the front one of its pixel; the one that was is forgotten.
+    fn bring_forward(&mut self, index: u32) {
+        let Cell { pixel, depth, .. } = self.pool[index as usize];
+        let spot = &mut self.plane[pixel as usize];
+        if spot.front != NONE {
+            self.pool[spot.front as usize].weight = 0.0;
         }
-    }
-
-    /// Makes a cell the front one of a pixel.
-    fn bring_forward(&mut self, pixel: usize, index: u32, cell: &Cell) {
-        self.plane[pixel].front = index;
-        self.plane[pixel].depth = cell.depth;
-        self.plane[pixel].cover = cell.weight;
+        *spot = Spot {
+            front: index,
+            depth,
+        };
     }
 
     /// The pixel next to the one of the place `at`, on its side, if it is free. Two cells of a
@@ -305,96 +257,21 @@ impl Cells {
             .find(|&p| self.plane[p].front == NONE)
     }
 
-    /// Puts a cell behind the front cell of its pixel. False if it is not needed any more.
-    fn hide_behind(&mut self, index: u32) -> bool {
-        if !self.second_layer {
-            return false;
-        }
-        let cell = self.pool[index as usize];
-        let back = self.plane[cell.pixel as usize].back;
-        if back == NONE {
-            self.plane[cell.pixel as usize].back = index;
-            return true;
-        }
-        let other = self.pool[back as usize];
-        if same_depth(cell.depth, other.depth) {
-            self.pool[back as usize].merge(&cell);
-            return false;
-        }
-        // A third surface in one pixel: the two nearest are remembered.
-        if cell.depth < other.depth {
-            self.plane[cell.pixel as usize].back = index;
-            self.pool[back as usize].weight = 0.0;
-            return true;
-        }
-        false
-    }
-
-    /// Takes cells out of the front plane that shine through the gaps of a nearer surface: at
-    /// least seven of their 3×3 pixels are nearer.
-    fn hide(&mut self) {
-        let (w, h) = (self.size.x as usize, self.size.y as usize);
-        if w < 3 || h < 3 {
-            return;
-        }
-        self.hidden.clear();
-        let mut nearer = vec![0u8; w - 2];
-        let plane = &self.plane;
-        let line = |y: usize| plane[y * w..(y + 1) * w].iter().map(|spot| spot.depth);
-        let mut rows: [Vec<f32>; 3] = core::array::from_fn(|y| line(y).collect());
-        for y in 1..h - 1 {
-            let [above, here, below] = &rows;
-            nearer.fill(0);
-            let limit = |z: f32| (z - 0.003) * (1.0 / 1.05);
-            // One neighbour at a time for the whole row: loops that the compiler vectorises.
-            for (row, shift) in [above, here, below]
-                .into_iter()
-                .flat_map(|r| (0..3).map(move |s| (r, s)))
-            {
-                let others = &row[shift..shift + w - 2];
-                for ((count, z), other) in nearer.iter_mut().zip(&here[1..w - 1]).zip(others) {
-                    *count += u8::from(*other < limit(*z));
-                }
-            }
-            for (x, count) in nearer.iter().enumerate() {
-                if *count >= 7 && here[x + 1] < f32::INFINITY {
-                    self.hidden.push((y * w + x + 1) as u32);
-                }
-            }
-            rows.rotate_left(1);
-            if y + 2 < h {
-                rows[2].clear();
-                rows[2].extend(line(y + 2));
-            }
-        }
-        for i in 0..self.hidden.len() {
-            let pixel = self.hidden[i] as usize;
-            let front = self.plane[pixel].front;
-            self.plane[pixel].front = NONE;
-            self.plane[pixel].depth = f32::INFINITY;
-            self.plane[pixel].cover = 0.0;
-            self.hide_front(front);
-        }
-    }
-
     /// Takes a new sample in, seen at `at` (pixel coordinates in the map's view) and `depth`
     /// metres. Returns its cell. What was just seen stands in front: a nearer cell in its pixel
-    /// is either of an edge and returns with the next warp, or outdated and fades.
+    /// is either of an edge or outdated.
     pub(super) fn deposit(&mut self, fresh: &Fresh, at: Vec2, depth: f32) -> u32 {
         let pixel = self.pixel(at);
-        let front = if pixel == NONE {
-            NONE
-        } else {
-            self.plane[pixel as usize].front
-        };
-        if front != NONE && same_depth(depth, self.plane[pixel as usize].depth) {
-            let cell = &mut self.pool[front as usize];
+        let spot = self.plane.get_mut(pixel as usize);
+        if let Some(spot) = spot
+            && let Some(cell) = self.pool.get_mut(spot.front as usize)
+            && same_depth(depth, spot.depth)
+        {
             cell.weight += 1.0;
             cell.mean += (fresh.colour - cell.mean) / cell.weight;
             cell.refresh(fresh, depth);
-            self.plane[pixel as usize].depth = depth;
-            self.plane[pixel as usize].cover = cell.weight;
-            return front;
+            spot.depth = depth;
+            return spot.front;
         }
         let index = self.pool.len() as u32;
         let mut cell = Cell {
@@ -413,15 +290,7 @@ impl Cells {
         cell.refresh(fresh, depth);
         self.pool.push(cell);
         if pixel != NONE {
-            if front != NONE {
-                if self.pool[front as usize].depth < depth {
-                    self.pool[front as usize].weight *= 0.5;
-                }
-                self.hide_front(front);
-            }
-            self.plane[pixel as usize].front = index;
-            self.plane[pixel as usize].depth = depth;
-            self.plane[pixel as usize].cover = 1.0;
+            self.bring_forward(index);
         }
         index
     }
@@ -436,25 +305,16 @@ impl Cells {
             cell.mean += (fresh.colour - cell.mean) / cell.weight;
         }
         cell.refresh(fresh, depth);
-        if cell.pixel != NONE && self.plane[cell.pixel as usize].front == index {
-            self.plane[cell.pixel as usize].cover = cell.weight;
-        }
     }
 
     /// Forgets a cell.
     pub(super) fn kill(&mut self, index: u32) {
         let cell = &mut self.pool[index as usize];
         cell.weight = 0.0;
-        let pixel = cell.pixel as usize;
-        if cell.pixel != NONE {
-            if self.plane[pixel].front == index {
-                self.plane[pixel].front = NONE;
-                self.plane[pixel].depth = f32::INFINITY;
-                self.plane[pixel].cover = 0.0;
-            }
-            if self.plane[pixel].back == index {
-                self.plane[pixel].back = NONE;
-            }
+        if let Some(spot) = self.plane.get_mut(cell.pixel as usize)
+            && spot.front == index
+        {
+            *spot = Spot::EMPTY;
         }
     }
 }

@@ -14,22 +14,12 @@ pub struct Config {
     pub uniform_share: f32,
     /// Share of the shots that look again at a place seen before, 0..1.
     pub verify_share: f32,
-    /// Share of a tile's pixels that must hold something before its next point is taken as it
-    /// comes, without regard to what is covered.
-    pub full: f32,
     /// Whether residuals steer the shots (else every tile is as interesting as any other).
     pub residuals: bool,
     /// Whether what a tile already has counts (else its residual alone does).
     pub water_filling: bool,
     /// Whether lifetimes are measured (else they are `lifetime_max` everywhere).
     pub lifetimes: bool,
-    /// Whether points behind their neighbours stop counting as seen.
-    pub hidden_test: bool,
-    /// Whether hidden cells are remembered until they come to light again.
-    pub second_layer: bool,
-    /// How far beyond the edge of the image cells are remembered, pixels; 0 forgets them at once,
-    /// infinity remembers all around the eye.
-    pub guard: f32,
     /// Whether a scene that changes wholly is noticed.
     pub cuts: bool,
     /// Time constant in which residuals fade, seconds.
@@ -40,8 +30,6 @@ pub struct Config {
     pub residual_prior: f32,
     /// How many samples that prior is worth.
     pub prior_weight: f32,
-    /// How many further samples it is worth for each pixel of a tile that holds nothing.
-    pub prior_hole: f32,
     /// The least residual, displayed levels: keeps quiet places from starving.
     pub residual_floor: f32,
     /// The longest lifetime, seconds.
@@ -79,19 +67,14 @@ impl Default for Config {
             batch: 0.002,
             uniform_share: 0.2,
             verify_share: 0.1,
-            full: 0.7,
             residuals: true,
             water_filling: true,
             lifetimes: true,
-            hidden_test: true,
-            second_layer: true,
-            guard: 32.0,
             cuts: true,
             residual_memory: 0.15,
             gradient_memory: 0.05,
             residual_prior: 40.0,
             prior_weight: 0.5,
-            prior_hole: 0.0,
             residual_floor: 4.0,
             lifetime_max: 1.0,
             lifetime_min: 0.012,

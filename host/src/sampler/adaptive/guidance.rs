@@ -131,7 +131,7 @@ impl Guidance {
             (variance + PRIOR * PRIOR_SPREAD) / (count + PRIOR)
         });
         // The tile's error holds what is left of the noise of its effects.
-        let error = known.error(0.0, config).powi(2);
+        let error = known.error(config).powi(2);
         let noise = |(spread, sums): (f32, [f32; 3])| spread * samples / sums[0].max(samples);
         let noise: f32 = spreads.into_iter().zip(told.0).map(noise).sum();
         let rest = (error - REMEMBERED * noise).max(LEAST);
@@ -255,7 +255,6 @@ mod tests {
     fn grey() -> Tile {
         Tile {
             samples: 50.0,
-            covered: 16.0,
             residuals: [50.0, 50.0 * 15.0 * 15.0],
             colour: Vec3::splat(50.0 * 128.0),
         }

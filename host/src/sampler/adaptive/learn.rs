@@ -117,9 +117,6 @@ impl Adaptive {
         let index = self.grid.of(find.pixel);
         self.learned.push(index as u32);
         let tile = &mut self.tiles[index];
-        if self.cells.plane[find.pixel as usize].front == NONE {
-            tile.covered += 1.0;
-        }
         let index = self.cells.deposit(fresh, at, depth);
         tile.samples += 1.0;
         tile.colour += fresh.colour;

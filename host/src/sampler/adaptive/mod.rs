@@ -7,7 +7,7 @@
 //!    the view and the poses of mid-epoch.
 //! 2. **Lifetimes** ([`lifetime`]): verified samples say how fast light changes where.
 //! 3. In batches of a few milliseconds: **allocate** ([`allocate`]) shots to 4×4-pixel tiles by
-//!    water-filling over residuals, **aim** at the least covered of three pixels, or, for a tenth
+//!    water-filling over residuals, **aim** at the next point of the tile, or, for a tenth
 //!    of the shots, look again at a place seen before; **trace**; **learn**: the difference
 //!    between what was seen and what was remembered is the residual.
 //!
@@ -147,7 +147,7 @@ impl Adaptive {
             })
             .collect();
         Self {
-            cells: Cells::new(size, &config),
+            cells: Cells::new(size),
             lifetimes,
             projection: Projection::new(f64::NAN),
             still: false,
@@ -211,7 +211,7 @@ impl Adaptive {
     fn noise(&self, at: UVec2) -> f32 {
         let (mut squares, mut count) = (0.0, 0.0);
         for tile in self.inside(at) {
-            squares += self.tiles[tile].error(0.0, &self.config).powi(2);
+            squares += self.tiles[tile].error(&self.config).powi(2);
             count += 1.0;
         }
         squares / (count * self.density(at).max(0.1))

@@ -13,11 +13,7 @@ impl Adaptive {
         // A batch reaches a fifth of the tiles, and a square root for each is most of this function.
         for tile in self.learned.drain(..) {
             let (i, tile) = (tile as usize, &self.tiles[tile as usize]);
-            self.errors[i] = if c.residuals {
-                tile.error(self.grid.areas[i] - tile.covered, c)
-            } else {
-                1.0
-            };
+            self.errors[i] = if c.residuals { tile.error(c) } else { 1.0 };
         }
         s.errors.clear();
         s.errors.extend(
@@ -83,7 +79,6 @@ impl Adaptive {
                     instead: place,
                 };
             } else {
-                self.cells.plane[pixel as usize].cover += 1.0;
                 if care.pattern {
                     seed = self.guidance.seed(tile, care);
                 }
@@ -98,29 +93,16 @@ impl Adaptive {
         }
     }
 
-    /// A place in a tile and its pixel, of the map: for a second look the best covered of three random
-    /// pixels; else the next point of the tile's sequence or, where pixels of the tile are empty,
-    /// the least covered of its next three points.
+    /// A place in a tile and its pixel, of the map: the next point of the tile's sequence; for a
+    /// second look a random one.
     fn aim(&mut self, tile: u32, again: bool) -> (Vec2, u32) {
         let (corner, size) = self.grid.rect(tile);
-        let full =
-            self.tiles[tile as usize].covered >= self.config.full * size.element_product() as f32;
-        let candidates = if full && !again { 1 } else { 3 };
-        let mut best = (Vec2::ZERO, 0, f32::INFINITY);
-        for _ in 0..candidates {
-            let point = if again {
-                Vec2::new(self.random.unit(), self.random.unit())
-            } else {
-                self.points[tile as usize].next()
-            };
-            let place = within(corner.as_vec2() + point * size.as_vec2(), self.grid.size);
-            let pixel = place.y as u32 * self.grid.size.x + place.x as u32;
-            let cover = self.cells.plane[pixel as usize].cover;
-            let badness = if again { -cover } else { cover };
-            if badness < best.2 {
-                best = (place, pixel, badness);
-            }
-        }
-        (best.0, best.1)
+        let point = if again {
+            Vec2::new(self.random.unit(), self.random.unit())
+        } else {
+            self.points[tile as usize].next()
+        };
+        let place = within(corner.as_vec2() + point * size.as_vec2(), self.grid.size);
+        (place, place.y as u32 * self.grid.size.x + place.x as u32)
     }
 }

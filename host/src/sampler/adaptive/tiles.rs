@@ -12,8 +12,6 @@ pub(super) const TILE: u32 = 4 / super::SIDE;
 pub(super) struct Tile {
     /// Samples, the old ones discounted.
     pub(super) samples: f32,
-    /// Pixels that hold a cell.
-    pub(super) covered: f32,
     /// Σ b and Σ b·r², r in displayed levels.
     pub(super) residuals: [f32; 2],
     /// Displayed colour, weighted by samples.
@@ -27,9 +25,9 @@ impl Tile {
     }
 
     /// The error of a sample here in displayed levels: the residuals' root mean square, drawn
-    /// towards a prior where little is known. `holes` is the number of empty pixels.
-    pub(super) fn error(&self, holes: f32, config: &Config) -> f32 {
-        let prior = config.prior_weight + config.prior_hole * holes;
+    /// towards a prior where little is known.
+    pub(super) fn error(&self, config: &Config) -> f32 {
+        let prior = config.prior_weight;
         let [b, br2] = self.residuals;
         let s2 = (br2 + prior * config.residual_prior * config.residual_prior) / (b + prior);
         s2.sqrt().max(config.residual_floor)

@@ -77,7 +77,6 @@ impl Adaptive {
         self.fading
             .weights
             .extend(self.lifetimes.tau.iter().map(|&tau| fade(tau)));
-        self.fading.unseen = fade(c.lifetime_max);
         self.fading.residuals = (-step / c.residual_memory).exp();
         self.fading.gradients = (-step / c.gradient_memory).exp();
         let (grid, lifetimes) = (&self.grid, &self.lifetime_tiles);
@@ -107,14 +106,13 @@ impl Adaptive {
         self.learn_anew();
         self.lifetimes.clear();
         let mut covered = 0;
-        for (i, cell) in self.cells.pool.iter().enumerate() {
-            if cell.pixel == NONE || self.cells.plane[cell.pixel as usize].front != i as u32 {
+        for cell in &self.cells.pool {
+            if cell.weight <= 0.0 {
                 continue;
             }
             let index = self.grid.of(cell.pixel);
             let tile = &mut self.tiles[index];
             tile.samples += cell.weight;
-            tile.covered += 1.0;
             tile.colour += cell.mean * cell.weight;
             tile.residuals[0] += cell.residuals[0];
             tile.residuals[1] += cell.residuals[1];
