@@ -8,19 +8,26 @@
 /// Running sums of [`active`].
 const LANES: usize = 16;
 
-/// The level λ at which `Σ max(0, λ·s_i − n_i) = budget`, and how many rounds it took.
+/// The level λ at which `Σ max(0, λ·s_i − n_i) = budget`, and how many rounds it took from a
+/// `guess` (infinity is one).
 /// Tiles with `s_i ≤ 0` get nothing. 0 if no tile wants anything.
-pub(super) fn water_level(s: &[f32], n: &[f32], budget: f32) -> (f32, u32) {
-    // From above: with all tiles active λ is too high only if none is overfull. Dropping the
-    // overfull ones lowers λ, which may drop more: at most one round a tile, in practice few.
-    let mut lambda = f32::INFINITY;
+pub(super) fn water_level(s: &[f32], n: &[f32], budget: f32, guess: f32) -> (f32, u32) {
+    // Newton's method on a convex function. From any guess the first round ends above the level, for
+    // a tangent lies below; from there dropping overfull tiles lowers λ, which may drop more: at
+    // most one round a tile, in practice few.
+    let mut lambda = guess;
     for round in 1..=32 {
         let (sum_s, sum_n) = active(s, n, lambda);
         if sum_s <= 0.0 {
-            return (0.0, round);
+            if lambda == f32::INFINITY {
+                return (0.0, round);
+            }
+            // A guess below every tile's need.
+            lambda = f32::INFINITY;
+            continue;
         }
         let next = ((f64::from(budget) + sum_n) / sum_s) as f32;
-        if next >= lambda * (1.0 - 1e-6) {
+        if next == lambda || round > 1 && next >= lambda * (1.0 - 1e-6) {
             return (next, round);
         }
         lambda = next;
@@ -54,7 +61,7 @@ fn active(s: &[f32], n: &[f32], lambda: f32) -> (f64, f64) {
 
 /// Turns fractional shares into whole visits: appends tile `order[k]` so often that every prefix
 /// of the order has got its share within one visit (systematic sampling; the same expectation for
-/// each tile as its share). `offset` in 0..1. Exactly `count` visits if the shares are positive.
+/// each tile as its share). `offset` in 0..1. Exactly `count` visits.
 pub(super) fn visits(order: &[u32], shares: &[f32], count: usize, offset: f32, out: &mut Vec<u32>) {
     out.clear();
     let total: f64 = order.iter().map(|&t| f64::from(shares[t as usize])).sum();
@@ -128,15 +135,27 @@ mod tests {
                 .collect();
             let n: Vec<f32> = (0..tiles).map(|_| random.unit().powi(3) * 500.0).collect();
             let budget = 1.0 + random.unit() * 2000.0;
-            let (lambda, rounds) = water_level(&s, &n, budget);
             let exact = by_bisection(&s, &n, budget);
-            assert!(
-                (f64::from(lambda) / exact - 1.0).abs() < 1e-4,
-                "{lambda} {exact}"
-            );
-            assert!(rounds <= 20, "{rounds} rounds");
+            let near = exact as f32;
+            for guess in [
+                f32::INFINITY,
+                0.0,
+                0.3 * near,
+                0.99 * near,
+                1.01 * near,
+                1e9,
+            ] {
+                let (lambda, rounds) = water_level(&s, &n, budget, guess);
+                assert!(
+                    (f64::from(lambda) / exact - 1.0).abs() < 1e-4,
+                    "{lambda} {exact} from {guess}"
+                );
+                assert!(rounds <= 20, "{rounds} rounds from {guess}");
+            }
         }
-        assert_eq!(water_level(&[0.0, 0.0], &[1.0, 2.0], 5.0).0, 0.0);
+        for guess in [f32::INFINITY, 0.0, 3.0] {
+            assert_eq!(water_level(&[0.0, 0.0], &[1.0, 2.0], 5.0, guess).0, 0.0);
+        }
     }
 
     #[test]

@@ -113,7 +113,7 @@ impl Guidance {
             return care;
         }
         care.rays = [FIRST; 3];
-        if self.met == [false; 3] {
+        if !self.guides() {
             return care;
         }
         let (samples, told) = self.known_of(tile);
@@ -165,13 +165,15 @@ impl Guidance {
         known
     }
 
+    /// Whether there is anything to guide: an effect was met.
+    pub(super) fn guides(&self) -> bool {
+        self.met != [false; 3]
+    }
+
     /// Rays that samples of a tile cost lately, relative to one ray for each effect; 1 where
-    /// nothing is guided. Of tiles with equal error the cheaper ones give more for the same rays:
+    /// nothing was met. Of tiles with equal error the cheaper ones give more for the same rays:
     /// n ∝ s/√cost.
     pub(super) fn cost(&self, tile: usize) -> f32 {
-        if self.met == [false; 3] {
-            return 1.0;
-        }
         let tile = &self.tiles[tile];
         if tile.samples <= 0.5 {
             return 1.0;
@@ -182,7 +184,7 @@ impl Guidance {
 
     /// Learns from a sample of a tile.
     pub(super) fn learn(&mut self, tile: u32, told: &Told) {
-        if *told == Told::default() {
+        if told.0.iter().all(|effect| effect[0] == 0.0) {
             return;
         }
         for (met, told) in self.met.iter_mut().zip(told.0) {
@@ -197,7 +199,7 @@ impl Guidance {
 
     /// Forgets a little.
     pub(super) fn fade(&mut self, factor: f32) {
-        if self.met == [false; 3] {
+        if !self.guides() {
             return;
         }
         for tile in &mut self.tiles {

@@ -42,12 +42,12 @@ impl Adaptive {
     pub(super) fn learn(&mut self, eye: &dyn Eye) {
         let mut finds = std::mem::take(&mut self.scratch.finds);
         finds.clear();
-        for i in 0..self.scratch.seen.len() {
-            let Shot { time, hit, .. } = self.scratch.seen[i].shot;
-            if !self.objects.contains(&hit.object) {
+        for (seen, plan) in self.scratch.seen.iter().zip(&self.scratch.plans) {
+            let Shot { time, hit, .. } = seen.shot;
+            if !self.projection.knows(hit.object) {
                 self.objects.push(hit.object);
+                self.projection.prepare(hit.object, eye);
             }
-            self.projection.prepare(hit.object, eye);
             let seen = self.projection.project(hit.object, hit.local);
             let pixel = seen.map_or(NONE, |(at, _)| self.cells.pixel(at));
             let spot = self.cells.plane.get(pixel as usize);
@@ -57,7 +57,7 @@ impl Adaptive {
                     object: hit.object,
                     colour: displayed(hit.colour),
                     born: (time - self.projection.time()) as f32,
-                    points: Points::new(self.scratch.plans[i].seed, self.scratch.plans[i].care),
+                    points: Points::new(plan.seed, plan.care),
                 },
                 seen,
                 pixel,
@@ -69,24 +69,29 @@ impl Adaptive {
             find.shown = self.shown(find);
         }
         let cuts = self.stats.cuts;
-        for (i, find) in finds.iter_mut().enumerate() {
-            if self.stats.cuts > cuts {
+        let seen = std::mem::take(&mut self.scratch.seen);
+        let intents = std::mem::take(&mut self.scratch.intents);
+        for ((find, seen), intent) in finds.iter_mut().zip(&seen).zip(&intents) {
+            // What is left of a batch after a cut was aimed at cells that are gone.
+            let cut = self.stats.cuts > cuts;
+            if cut {
                 find.shown = None;
             }
-            let (seen, intent) = (self.scratch.seen[i], self.scratch.intents[i]);
             if self.config.guidance {
                 self.guidance.learn(intent.tile, &seen.told);
             }
             self.rates[intent.tile as usize] += 1.0;
             match seen.expected {
-                Some(expected) if intent.cell != NONE => {
-                    self.verified(&seen.shot, find, expected, &intent);
+                Some(expected) if intent.cell != NONE && !cut => {
+                    self.verified(&seen.shot, find, expected, intent);
                 }
                 _ => self.sampled(find),
             }
         }
         self.stats.shots += finds.len() as u64;
         self.scratch.finds = finds;
+        self.scratch.seen = seen;
+        self.scratch.intents = intents;
     }
 
     /// What the memory shows at a find's pixel: its front cell, drawn towards the mean of the
@@ -191,10 +196,5 @@ impl Adaptive {
         self.cells.clear();
         self.tiles.fill(Tile::default());
         self.learn_anew();
-        // What is left of the batch was aimed at cells that are gone.
-        self.scratch
-            .intents
-            .iter_mut()
-            .for_each(|intent| intent.cell = NONE);
     }
 }

@@ -63,9 +63,13 @@ pub struct Adaptive {
     /// Objects seen so far, in the order of their first samples.
     objects: Vec<u8>,
     tiles: Vec<Tile>,
-    /// The error of a sample in each tile, and the tiles that have learned since.
+    /// Of each tile: the error of a sample times its area, and the samples that it has; and the
+    /// tiles that have learned since.
     errors: Vec<f32>,
+    filled: Vec<f32>,
     learned: Vec<u32>,
+    /// Of the last batch, see [`allocate`].
+    level: f32,
     fading: Fading,
     guidance: Guidance,
     alarm: Alarm,
@@ -88,7 +92,6 @@ pub struct Adaptive {
 #[derive(Clone, Debug, Default)]
 struct Scratch {
     errors: Vec<f32>,
-    filled: Vec<f32>,
     shares: Vec<f32>,
     visits: Vec<u32>,
     plans: Vec<Plan>,
@@ -154,6 +157,8 @@ impl Adaptive {
             objects: Vec::new(),
             tiles: vec![Tile::default(); grid.len()],
             errors: vec![0.0; grid.len()],
+            filled: vec![0.0; grid.len()],
+            level: f32::INFINITY,
             learned: (0..grid.len() as u32).collect(),
             fading: Fading::default(),
             guidance: Guidance::new(grid.columns, grid.rows),

@@ -3,33 +3,36 @@
 use glam::{Vec2, Vec3};
 
 use super::cells::NONE;
-use super::{Adaptive, Aim, Intent, Plan, SIDE, Span, Tile, allocate, golden_stride, within};
+use super::{Adaptive, Aim, Intent, Plan, SIDE, Span, allocate, golden_stride, within};
 
 impl Adaptive {
     /// Shares `count` shots out among the tiles: fills `scratch.visits`.
     pub(super) fn allocate(&mut self, count: usize) {
         let c = &self.config;
         let s = &mut self.scratch;
-        // A batch reaches a fifth of the tiles, and a square root for each is most of this function.
+        // A batch reaches a fifth of the tiles, and a square root for each costs.
         for tile in self.learned.drain(..) {
             let (i, tile) = (tile as usize, &self.tiles[tile as usize]);
-            self.errors[i] = if c.residuals { tile.error(c) } else { 1.0 };
+            let error = if c.residuals { tile.error(c) } else { 1.0 };
+            self.errors[i] = error * self.grid.areas[i];
+            self.filled[i] = if c.water_filling { tile.samples } else { 0.0 };
         }
-        s.errors.clear();
-        s.errors.extend(
-            (self.errors.iter().zip(&self.grid.areas).enumerate())
-                .map(|(i, (error, area))| error * area / self.guidance.cost(i)),
-        );
-        s.filled.clear();
-        let filled = |tile: &Tile| if c.water_filling { tile.samples } else { 0.0 };
-        s.filled.extend(self.tiles.iter().map(filled));
-        let (level, _) = allocate::water_level(&s.errors, &s.filled, count as f32);
+        let mut errors = &self.errors;
+        if self.guidance.guides() {
+            s.errors.clear();
+            let costs = (0..errors.len()).map(|i| errors[i] / self.guidance.cost(i));
+            s.errors.extend(costs);
+            errors = &s.errors;
+        }
+        let (level, _) = allocate::water_level(errors, &self.filled, count as f32, self.level);
+        self.level = level;
         let everywhere = c.uniform_share * count as f32 / (self.grid.size.element_product() as f32);
         s.shares.clear();
-        for (i, (&error, &filled)) in s.errors.iter().zip(&s.filled).enumerate() {
+        let tiles = errors.iter().zip(&self.filled).zip(&self.grid.areas);
+        s.shares.extend(tiles.map(|((error, filled), area)| {
             let due = (level * error - filled).max(0.0) * (1.0 - c.uniform_share);
-            s.shares.push(due + everywhere * self.grid.areas[i]);
-        }
+            due + everywhere * area
+        }));
         allocate::visits(
             &self.order,
             &s.shares,
@@ -49,7 +52,10 @@ impl Adaptive {
         let mut at = self.random.below(count.max(1) as u32) as usize;
         for i in 0..count {
             let tile = self.scratch.visits[at];
-            at = (at + stride) % count;
+            at += stride;
+            if at >= count {
+                at -= count;
+            }
             let again = self.random.unit() < self.config.verify_share;
             let (place, pixel) = self.aim(tile, again);
             let place = within(place * SIDE as f32, self.image);

@@ -42,6 +42,11 @@ impl Projection {
         self.objects == other.objects
     }
 
+    /// Whether an object was prepared.
+    pub(in crate::sampler) fn knows(&self, object: u8) -> bool {
+        self.objects[usize::from(object)].is_some()
+    }
+
     /// Prepares an object.
     pub(in crate::sampler) fn prepare(&mut self, object: u8, eye: &dyn Eye) {
         let entry = &mut self.objects[usize::from(object)];

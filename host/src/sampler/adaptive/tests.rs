@@ -261,8 +261,9 @@ fn errors_that_are_kept_are_those_of_the_tiles() {
         work(&mut sampler, &stage, f64::from(epoch) / 60.0, 1.0 / 60.0);
         sampler.allocate(1);
         for (i, tile) in sampler.tiles.iter().enumerate() {
-            let error = tile.error(&sampler.config);
+            let error = tile.error(&sampler.config) * sampler.grid.areas[i];
             assert_eq!(sampler.errors[i], error, "tile {i} after epoch {epoch}");
+            assert_eq!(sampler.filled[i], tile.samples, "tile {i} after {epoch}");
         }
     }
     assert_eq!(sampler.stats().cuts, 1);
