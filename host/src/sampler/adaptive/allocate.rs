@@ -59,12 +59,24 @@ fn active(s: &[f32], n: &[f32], lambda: f32) -> (f64, f64) {
     (total(sums), total(fills))
 }
 
+/// The sum in f64, of four running sums.
+fn sum(values: &[f32]) -> f64 {
+    let (chunks, rest) = values.as_chunks::<4>();
+    let mut lanes = [0.0; 4];
+    for chunk in chunks {
+        for (lane, &v) in lanes.iter_mut().zip(chunk) {
+            *lane += f64::from(v);
+        }
+    }
+    lanes.iter().sum::<f64>() + rest.iter().map(|&v| f64::from(v)).sum::<f64>()
+}
+
 /// Turns fractional shares into whole visits: appends tile `order[k]` so often that every prefix
 /// of the order has got its share within one visit (systematic sampling; the same expectation for
 /// each tile as its share). `offset` in 0..1. Exactly `count` visits.
 pub(super) fn visits(order: &[u32], shares: &[f32], count: usize, offset: f32, out: &mut Vec<u32>) {
     out.clear();
-    let total: f64 = order.iter().map(|&t| f64::from(shares[t as usize])).sum();
+    let total = sum(shares);
     if count == 0 || order.is_empty() {
         return;
     }

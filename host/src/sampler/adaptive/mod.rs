@@ -203,13 +203,13 @@ impl Adaptive {
 
     /// Recent shots a pixel of the image and second in a lifetime tile.
     fn density(&self, at: UVec2) -> f32 {
-        let (mut shots, mut area) = (0.0, 0);
+        let (mut shots, mut area) = (0.0, 0.0);
         for tile in self.inside(at) {
             shots += self.rates[tile];
-            area += self.grid.rect(tile as u32).1.element_product();
+            area += self.grid.areas[tile];
         }
-        let pixels = (area * SIDE * SIDE).max(1);
-        shots / (self.config.residual_memory * pixels as f32)
+        let pixels = (area * (SIDE * SIDE) as f32).max(1.0);
+        shots / (self.config.residual_memory * pixels)
     }
 
     /// s²/r of a lifetime tile.

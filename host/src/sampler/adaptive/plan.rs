@@ -57,7 +57,7 @@ impl Adaptive {
                 at -= count;
             }
             let again = self.random.unit() < self.config.verify_share;
-            let (place, pixel) = self.aim(tile, again);
+            let (place, front) = self.aim(tile, again);
             let place = within(place * SIDE as f32, self.image);
             let time = span.instant(first + i);
             let uniform = evenly * self.grid.areas[tile as usize];
@@ -71,8 +71,7 @@ impl Adaptive {
             let mut aim = Aim::Pixel(place);
             let mut care = (self.guidance).care(tile, &self.tiles[tile as usize], &self.config);
             let mut seed = self.random.next();
-            let front = self.cells.plane[pixel as usize].front;
-            if again && front != NONE {
+            if front != NONE {
                 let cell = &self.cells.pool[front as usize];
                 intent.cell = front;
                 (intent.colour, intent.born) = (cell.newest(), cell.born);
@@ -84,10 +83,8 @@ impl Adaptive {
                     local: cell.local,
                     instead: place,
                 };
-            } else {
-                if care.pattern {
-                    seed = self.guidance.seed(tile, care);
-                }
+            } else if care.pattern {
+                seed = self.guidance.seed(tile, care);
             }
             self.scratch.plans.push(Plan {
                 time,
@@ -99,8 +96,8 @@ impl Adaptive {
         }
     }
 
-    /// A place in a tile and its pixel, of the map: the next point of the tile's sequence; for a
-    /// second look a random one.
+    /// A place in a tile, of the map: the next point of the tile's sequence; for a second look a
+    /// random one and the cell there, or [`NONE`].
     fn aim(&mut self, tile: u32, again: bool) -> (Vec2, u32) {
         let (corner, size) = self.grid.rect(tile);
         let point = if again {
@@ -109,6 +106,12 @@ impl Adaptive {
             self.points[tile as usize].next()
         };
         let place = within(corner.as_vec2() + point * size.as_vec2(), self.grid.size);
-        (place, place.y as u32 * self.grid.size.x + place.x as u32)
+        let front = if again {
+            let pixel = place.y as u32 * self.grid.size.x + place.x as u32;
+            self.cells.plane[pixel as usize].front
+        } else {
+            NONE
+        };
+        (place, front)
     }
 }

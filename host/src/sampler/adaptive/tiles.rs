@@ -42,6 +42,8 @@ pub(super) struct Grid {
     pub(super) rows: u32,
     /// The tile of each pixel: a look-up is cheaper than two divisions by the width.
     tiles: Vec<u32>,
+    /// Left top corner of each tile.
+    corners: Vec<UVec2>,
     /// Pixels in each tile.
     pub(super) areas: Vec<f32>,
 }
@@ -55,6 +57,9 @@ impl Grid {
             rows,
             tiles: (0..size.y)
                 .flat_map(|y| (0..size.x).map(move |x| y / TILE * columns + x / TILE))
+                .collect(),
+            corners: (0..columns * rows)
+                .map(|tile| UVec2::new(tile % columns, tile / columns) * TILE)
                 .collect(),
             areas: Vec::new(),
         };
@@ -75,7 +80,7 @@ impl Grid {
 
     /// Left top corner and size of a tile, pixels; tiles at the right and bottom may be cut off.
     pub(super) fn rect(&self, tile: u32) -> (UVec2, UVec2) {
-        let corner = UVec2::new(tile % self.columns, tile / self.columns) * TILE;
+        let corner = self.corners[tile as usize];
         (corner, UVec2::splat(TILE).min(self.size - corner))
     }
 }
