@@ -5,6 +5,7 @@ use std::time::Instant;
 use unframed_wire::{End, Hello, Status, TileNode, ledger::Ledger};
 
 use crate::sampler::{Sampler, Shot, Span};
+use crate::stream::Detail;
 use crate::stream::sender::Promise;
 use crate::stream::{Sender, StreamError};
 use crate::trace::{Rays, World};
@@ -93,7 +94,18 @@ impl Host {
     /// A host at time 0.
     #[must_use]
     pub fn new(world: World, sampler: Box<dyn Sampler>, promise: Promise) -> Self {
-        let sender = Sender::new(&world, promise);
+        Self::with_detail(world, sampler, promise, Detail::default())
+    }
+
+    /// The same with a stream in less detail.
+    #[must_use]
+    pub fn with_detail(
+        world: World,
+        sampler: Box<dyn Sampler>,
+        promise: Promise,
+        detail: Detail,
+    ) -> Self {
+        let sender = Sender::with_detail(&world, promise, detail);
         Self {
             world,
             sampler,
@@ -202,8 +214,12 @@ impl Host {
             clock.lap(&mut self.spent.stream);
         }
         let mut clock = Clock::new();
-        self.sampler
-            .tiles(self.sender.hello().tile_fields, &mut self.tiles);
+        if self.sender.wants_tiles() {
+            self.sampler
+                .tiles(self.sender.hello().tile_fields, &mut self.tiles);
+        } else {
+            self.tiles.clear();
+        }
         clock.lap(&mut self.spent.control);
         self.sender.refresh(&self.world, end, &self.tiles, out)?;
         clock.lap(&mut self.spent.stream);

@@ -7,6 +7,7 @@ use anyhow::{Context, Result, ensure};
 use glam::UVec2;
 use indicatif::ProgressBar;
 use unframed_host::drive::Host;
+use unframed_host::stream::Detail;
 use unframed_host::stream::sender::Promise;
 use unframed_host::trace::{Rays, World, ideal};
 use unframed_metrics::{Sequence, SequenceOptions, Totals};
@@ -123,6 +124,12 @@ fn open_clip(scene: &str, clip: Option<&str>, size: Size) -> Result<World> {
 /// The host of a method.
 #[must_use]
 pub fn host(source: &Source, method: Method, world: World) -> Host {
+    detailed(source, method, world, Detail::default())
+}
+
+/// The same with a stream in less detail.
+#[must_use]
+pub fn detailed(source: &Source, method: Method, world: World, detail: Detail) -> Host {
     let size = UVec2::new(source.size.width.into(), source.size.height.into());
     let promise = Promise {
         layout: method.layout(),
@@ -130,7 +137,7 @@ pub fn host(source: &Source, method: Method, world: World) -> Host {
         rate: source.rate,
         refresh_millihertz: REFRESH_HZ * 1000,
     };
-    Host::new(world, method.sampler(size, source.seed), promise)
+    Host::with_detail(world, method.sampler(size, source.seed), promise, detail)
 }
 
 /// Number of refreshes in the simulated time, at least one.

@@ -49,6 +49,8 @@ mod picture;
 pub mod player;
 pub mod project;
 pub mod rest;
+#[cfg(feature = "float")]
+pub mod rounded;
 pub mod scanout;
 pub mod solve;
 pub mod splat;

@@ -1,6 +1,8 @@
 //! Fixed point against the f64 oracle on synthetic scenes, whole refreshes at a time.
 
+use unframed_recon::config::Fit;
 use unframed_recon::heap::HeapStorage;
+use unframed_recon::rounded::{Bits, Deployed, Rounded};
 use unframed_recon::{Arith, Config, Display, Fixed};
 use unframed_wire::{
     ColourEncoding, Hello, Layout, LogCode, Pose, Rect, Refresh, Tick, Tile, TileFields, View,
@@ -235,4 +237,63 @@ fn order_does_not_matter() {
     };
     let reversed: Vec<_> = samples.iter().rev().copied().collect();
     assert_eq!(shown(&samples), shown(&reversed));
+}
+
+/// Root of the mean square of the differences of two pictures.
+fn rms(a: &[[u8; 3]], b: &[[u8; 3]]) -> f64 {
+    let (a, b) = (a.as_flattened(), b.as_flattened());
+    let square = |(a, b): (&u8, &u8)| f64::from(a.abs_diff(*b)).powi(2);
+    (a.iter().zip(b).map(square).sum::<f64>() / a.len() as f64).sqrt()
+}
+
+#[test]
+fn rounding_where_integers_round_gives_their_picture() {
+    for config in [
+        Config::ADAPTIVE,
+        Config {
+            fit: Fit::Constant,
+            ..Config::ADAPTIVE
+        },
+    ] {
+        let fixed = picture::<Fixed>(config, 5, 40_000);
+        let exact = picture::<f64>(config, 5, 40_000);
+        let deployed = picture::<Rounded<Deployed>>(config, 5, 40_000);
+        let (off, left) = (rms(&fixed, &exact), rms(&fixed, &deployed));
+        println!("{off} {left}");
+        assert!(left < 0.6 * off, "{off} {left}");
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Fewer<const N: u32>;
+
+impl<const N: u32> Bits for Fewer<N> {
+    const PLACE: u32 = N;
+    const WEIGHT: u32 = 2 * N;
+    const LIGHT: u32 = 2 * N + 2;
+}
+
+#[test]
+fn fewer_bits_err_more() {
+    let exact = picture::<f64>(Config::ADAPTIVE, 6, 40_000);
+    let off = [
+        rms(
+            &picture::<Rounded<Deployed>>(Config::ADAPTIVE, 6, 40_000),
+            &exact,
+        ),
+        rms(
+            &picture::<Rounded<Fewer<5>>>(Config::ADAPTIVE, 6, 40_000),
+            &exact,
+        ),
+        rms(
+            &picture::<Rounded<Fewer<4>>>(Config::ADAPTIVE, 6, 40_000),
+            &exact,
+        ),
+        rms(
+            &picture::<Rounded<Fewer<2>>>(Config::ADAPTIVE, 6, 40_000),
+            &exact,
+        ),
+    ];
+    println!("{off:?}");
+    assert!(off.is_sorted() && off[3] > 5.0 * off[0], "{off:?}");
 }

@@ -1,12 +1,13 @@
 //! Metres to integers: world units, lattices, fixed-point views and poses.
 //!
 //! The static world spans 2^23 world units along its longest side. Each object has a lattice of
-//! 16 bits a coordinate over its own bounds, so that small things are placed finely; a lattice
-//! point is off by at most half a step: extent/131070 along each axis.
+//! 16 bits a coordinate (or fewer, see [`Detail`]) over its own bounds, so that small things are
+//! placed finely; a lattice point is off by at most half a step: extent/131070 along each axis.
 
 use glam::{Affine3A, DVec3, Vec3};
 use unframed_wire::{Pose, SKY, Tick, View, WorldFrame};
 
+use super::Detail;
 use crate::trace::World;
 use crate::trace::camera::Camera;
 
@@ -14,8 +15,6 @@ use crate::trace::camera::Camera;
 const SPAN: f64 = (1u32 << 23) as f64;
 /// Distance of the sky's lattice corners from the eye, world units.
 const SKY_RADIUS: f64 = (1u32 << 28) as f64;
-/// Steps from one end of a lattice to the other.
-const STEPS: f64 = 65534.0;
 /// Matrix entries stay below 2^`MATRIX_BITS`.
 const MATRIX_BITS: i32 = 30;
 /// Eyes and translations are held within this many world units.
@@ -34,6 +33,8 @@ pub struct Quantiser {
     frame: WorldFrame,
     origin: DVec3,
     unit: f64,
+    /// From one end of a lattice to the other.
+    steps: f64,
     lattices: Vec<Lattice>,
 }
 
@@ -41,7 +42,8 @@ impl Quantiser {
     /// The integers for a scene: its static world gives the unit, or its largest object where
     /// nothing is static.
     #[must_use]
-    pub fn new(world: &World) -> Self {
+    pub fn new(world: &World, detail: Detail) -> Self {
+        let steps = detail.steps();
         let extent = |object: u8| {
             let bounds = world.bounds(object);
             (bounds.max - bounds.min).max_element()
@@ -67,7 +69,7 @@ impl Quantiser {
                 // A flat thing still has a lattice across: of single units.
                 Lattice {
                     centre: (min + max) * 0.5,
-                    step: ((max - min) / STEPS).max(DVec3::splat(unit)),
+                    step: ((max - min) / steps).max(DVec3::splat(unit)),
                 }
             })
             .collect();
@@ -79,6 +81,7 @@ impl Quantiser {
             frame,
             origin: origin.as_dvec3(),
             unit,
+            steps,
             lattices,
         }
     }
@@ -95,7 +98,7 @@ impl Quantiser {
     pub fn place(&self, object: u8, local: Vec3) -> [i16; 3] {
         let steps = match self.lattices.get(usize::from(object)) {
             Some(lattice) if object != SKY => (local.as_dvec3() - lattice.centre) / lattice.step,
-            _ => local.as_dvec3() * (STEPS * 0.5),
+            _ => local.as_dvec3() * (self.steps * 0.5),
         };
         // A cast saturates, and makes 0 of what is no number.
         steps
@@ -119,7 +122,7 @@ impl Quantiser {
                 (columns, offset + Vec3::from(pose.translation).as_dvec3())
             }
             _ => {
-                let scale = SKY_RADIUS / (STEPS * 0.5);
+                let scale = SKY_RADIUS / (self.steps * 0.5);
                 (
                     [DVec3::X * scale, DVec3::Y * scale, DVec3::Z * scale],
                     eye.as_dvec3(),

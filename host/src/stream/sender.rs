@@ -7,7 +7,7 @@ use unframed_wire::{
     TileFields, TileNode, WorldSample, Writer, ledger::Ledger,
 };
 
-use super::Quantiser;
+use super::{Detail, Quantiser};
 use crate::sampler::Shot;
 use crate::trace::{World, srgb};
 
@@ -48,6 +48,7 @@ pub struct Sender {
     writer: Writer,
     hello: Hello,
     quantiser: Quantiser,
+    detail: Detail,
     world_samples: Vec<WorldSample>,
     screen_samples: Vec<ScreenSample>,
     refreshes: u32,
@@ -67,11 +68,17 @@ pub struct Promise {
 }
 
 impl Sender {
-    /// Starts a stream of a scene.
+    /// Starts a stream of a scene, in all detail.
     #[must_use]
     pub fn new(world: &World, promise: Promise) -> Self {
+        Self::with_detail(world, promise, Detail::default())
+    }
+
+    /// The same in less detail.
+    #[must_use]
+    pub fn with_detail(world: &World, promise: Promise, detail: Detail) -> Self {
         let [width, height] = world.size().map(|s| s as u16);
-        let quantiser = Quantiser::new(world);
+        let quantiser = Quantiser::new(world, detail);
         let hello = Hello {
             width,
             height,
@@ -87,6 +94,7 @@ impl Sender {
             writer: Writer::new(),
             hello,
             quantiser,
+            detail,
             world_samples: Vec::new(),
             screen_samples: Vec::new(),
             refreshes: 0,
@@ -130,25 +138,26 @@ impl Sender {
         let sink = &mut |bytes: &[u8]| out.extend_from_slice(bytes);
         match self.hello.layout {
             Layout::World => {
-                let quantiser = &self.quantiser;
+                let (quantiser, detail) = (&self.quantiser, &self.detail);
                 self.world_samples.clear();
                 self.world_samples
                     .extend(shots.iter().map(|shot| WorldSample {
                         place: quantiser.place(shot.hit.object, shot.hit.local),
-                        rgb: srgb::encode8(shot.hit.colour),
+                        rgb: detail.colour(srgb::encode8(shot.hit.colour)),
                         object: shot.hit.object,
                     }));
                 self.writer.world_samples(time, &self.world_samples, sink)?;
             }
             Layout::Screen => {
                 let (width, height) = (self.hello.width, self.hello.height);
+                let detail = &self.detail;
                 self.screen_samples.clear();
                 self.screen_samples.extend(shots.iter().map(|shot| {
                     let at = |v: f32, size: u16| ((v * 16.0) as u16).min(16 * size - 1);
                     ScreenSample {
                         x: at(shot.pixel.x, width),
                         y: at(shot.pixel.y, height),
-                        rgb: srgb::encode8(shot.hit.colour),
+                        rgb: detail.colour(srgb::encode8(shot.hit.colour)),
                     }
                 }));
                 self.writer
@@ -165,6 +174,12 @@ impl Sender {
                 .hello(&self.hello, &mut |bytes| out.extend_from_slice(bytes))?;
         }
         Ok(())
+    }
+
+    /// Whether the next refresh brings a tiling; if not, its tiles need not be made.
+    #[must_use]
+    pub fn wants_tiles(&self) -> bool {
+        self.detail.tiles_at(self.refreshes)
     }
 
     /// Tells the display to forget everything from before `time` (seconds).

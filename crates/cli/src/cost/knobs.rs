@@ -1,14 +1,15 @@
 //! The knobs that trade error for cost, and the points at which they are measured.
 
 use serde::Serialize;
+use unframed_host::stream::Detail;
 use unframed_recon::Config;
 use unframed_recon::config::{Extents, Fit, Lifetime, Light, TimeKernel};
 
+use super::formats::{FORMATS, Narrow};
 use crate::method::Method;
 
 /// In which numbers a display computes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// Integers: what is deployed.
     Fixed,
@@ -16,6 +17,49 @@ pub enum Format {
     F32,
     /// 64-bit floats: the oracle.
     F64,
+    /// Integers with fewer bits, emulated: what they would show, not how long they would take.
+    Narrow(Narrow),
+}
+
+impl Format {
+    /// For people and for tables.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fixed => "fixed",
+            Self::F32 => "f32",
+            Self::F64 => "f64",
+            Self::Narrow(narrow) => narrow.label(),
+        }
+    }
+
+    /// Whether its time and memory are those of a display that could be built.
+    #[must_use]
+    pub fn is_real(self) -> bool {
+        !matches!(self, Self::Narrow(_))
+    }
+}
+
+impl Serialize for Format {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+/// In one phrase, what a stream leaves out; nothing where it leaves out nothing.
+fn left_out(detail: Detail) -> String {
+    let all = Detail::default();
+    let mut said = Vec::new();
+    if detail.place_bits != all.place_bits {
+        said.push(format!("places of {} bits", detail.place_bits));
+    }
+    if detail.colour_bits != all.colour_bits {
+        said.push(format!("colours of {} bits", detail.colour_bits));
+    }
+    if detail.tiles_every != all.tiles_every {
+        said.push(format!("tiles every {} refreshes", detail.tiles_every));
+    }
+    said.join(" and ")
 }
 
 /// One setting of everything.
@@ -29,6 +73,8 @@ pub struct Knobs {
     pub memory: f64,
     /// In which numbers the display computes.
     pub format: Format,
+    /// How finely the stream tells things.
+    pub detail: Detail,
     /// What the display does.
     pub display: Config,
 }
@@ -42,6 +88,7 @@ impl Knobs {
             density,
             memory: 1.0,
             format: Format::Fixed,
+            detail: Detail::default(),
             display: method.display(),
         }
     }
@@ -70,6 +117,7 @@ impl Knobs {
             rate: self.rate(pixels),
             samples: self.samples(pixels),
             format: self.format,
+            detail: left_out(self.detail),
             fit: match display.fit {
                 Fit::Constant => "mean",
                 Fit::Linear => "plane",
@@ -110,6 +158,8 @@ pub struct Described {
     pub samples: u32,
     /// Numbers.
     pub format: Format,
+    /// What the stream leaves out; empty where nothing.
+    pub detail: String,
     /// What is fitted.
     pub fit: &'static str,
     /// Whether the hidden-point test is on.
@@ -133,11 +183,13 @@ impl Described {
         let hidden = if self.hidden { "" } else { ", no hidden test" };
         let fill = if self.fill { "" } else { ", no fill" };
         format!(
-            "{} {}/s, N {}, {:?}, {}{hidden}, σ {}, τ {}, {}{fill}, {} light",
+            "{} {}/s{}{}, N {}, {}, {}{hidden}, σ {}, τ {}, {}{fill}, {} light",
             self.method,
             super::short(self.rate),
+            if self.detail.is_empty() { "" } else { ", " },
+            self.detail,
             super::short(self.samples),
-            self.format,
+            self.format.name(),
             self.fit,
             self.extents,
             self.lifetime,
@@ -262,6 +314,23 @@ pub fn sweeps() -> Vec<Planned> {
         "number format",
         &[Format::Fixed, Format::F32, Format::F64].map(format),
     );
+    for (sweep, narrow) in FORMATS {
+        add(sweep, &[middle]);
+        for narrow in *narrow {
+            add(sweep, &[format(Format::Narrow(*narrow))]);
+        }
+    }
+    let detail = |change: &dyn Fn(&mut Detail)| {
+        let mut knobs = middle;
+        change(&mut knobs.detail);
+        knobs
+    };
+    let places = [16, 14, 12, 11, 10].map(|bits| detail(&|d| d.place_bits = bits));
+    add("wire: bits of places", &places);
+    let colours = [8, 7, 6, 5, 4].map(|bits| detail(&|d| d.colour_bits = bits));
+    add("wire: bits of colours", &colours);
+    let tilings = [1, 2, 4, 8].map(|every| detail(&|d| d.tiles_every = every));
+    add("wire: refreshes a tiling", &tilings);
     let memory = |memory| Knobs { memory, ..middle };
     add(
         "samples remembered",
@@ -344,6 +413,11 @@ mod tests {
             "light",
             "filter width",
             "lifetime",
+            "bits of weights",
+            "steps of ages",
+            "wire: bits of places",
+            "wire: bits of colours",
+            "wire: refreshes a tiling",
         ] {
             let points: Vec<_> = sweeps().into_iter().filter(|p| p.sweep == sweep).collect();
             assert!(points.len() >= 2, "{sweep}");

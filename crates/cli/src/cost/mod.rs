@@ -1,6 +1,6 @@
 //! What accuracy costs: every knob that trades error for time, bytes or RAM, turned and measured.
 //!
-//! [`knobs`] (what is turned, presets) → [`stream`] (one recording for all displays of a rate) →
+//! [`knobs`] (what is turned, presets; number formats are in [`formats`]) → [`stream`] (one recording for all displays of a rate) →
 //! [`point`] (error, split by cause; seconds, bytes, [`ram`]) → [`front`] (what is beaten by
 //! nothing) → [`table`] (JSON, CSV, what a decibel costs) → [`page`]. [`study`] does all in order,
 //! on all cores, and nothing twice.
@@ -14,6 +14,7 @@ pub mod budget;
 pub mod cores;
 pub mod effort;
 pub mod forecast;
+pub mod formats;
 pub mod front;
 pub mod knobs;
 pub mod page;

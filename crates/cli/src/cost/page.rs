@@ -6,7 +6,8 @@ use anyhow::Result;
 
 use super::answer;
 use super::budget::Answer;
-use super::knobs::{Knobs, MIDDLE};
+use super::formats::FORMATS;
+use super::knobs::{Format, Knobs, MIDDLE};
 use super::scaling::{Curve, plots};
 use super::short;
 use super::table::{COSTS, CostOf, Point, distinct, factor_per_decibel, presets, slope};
@@ -207,7 +208,7 @@ fn fronts(points: &[Point], dir: &Path) -> Result<Section> {
         let place = |p: &&Point| (cost(p), p.rmse);
         let fixed: Vec<&Point> = distinct(points)
             .into_iter()
-            .filter(|p| p.knobs.format == super::knobs::Format::Fixed && cost(p).is_finite())
+            .filter(|p| p.knobs.format == Format::Fixed && cost(p).is_finite())
             .collect();
         if fixed.is_empty() {
             continue;
@@ -274,7 +275,7 @@ fn causes(points: &[Point]) -> Result<Section> {
 fn label(sweep: &str, p: &Point) -> String {
     let on = |on: bool| if on { "on" } else { "off" }.to_owned();
     match sweep {
-        "number format" => format!("{:?}", p.knobs.format).to_lowercase(),
+        "number format" => p.knobs.format.name().to_owned(),
         "samples remembered" => {
             format!("{} ({:.2} s)", short(p.knobs.samples), p.settings().memory)
         }
@@ -285,6 +286,14 @@ fn label(sweep: &str, p: &Point) -> String {
         "decline with age" => p.knobs.kernel.to_owned(),
         "lifetime" => p.knobs.lifetime.clone(),
         "light" => p.knobs.light.to_owned(),
+        _ if sweep.starts_with("wire: ") => match p.knobs.detail.as_str() {
+            "" => "all".to_owned(),
+            less => less.to_owned(),
+        },
+        _ if FORMATS.iter().any(|(name, _)| *name == sweep) => match p.knobs.format {
+            Format::Narrow(narrow) => narrow.label().to_owned(),
+            _ => "as deployed".to_owned(),
+        },
         _ => format!("{} {}/s", p.knobs.method, short(p.knobs.rate)),
     }
 }
@@ -325,6 +334,10 @@ fn knobs(points: &[Point], pixels: u32) -> Result<Vec<Section>> {
         ];
         let mut table = Table::new(heads);
         for p in points.iter().filter(|p| p.sweep == sweep) {
+            let real = |cell: String| match p.knobs.format.is_real() {
+                true => cell,
+                false => "–".to_owned(),
+            };
             let cells = [
                 label(sweep, p),
                 format!("{:.2}", p.rmse),
@@ -334,10 +347,10 @@ fn knobs(points: &[Point], pixels: u32) -> Result<Vec<Section>> {
                 format!("{:.1}", p.error.delay),
                 format!("{:.2}", p.error.arithmetic),
                 format!("{:.2}", p.rmse_to_oracle),
-                percent(p.display_seconds, base.display_seconds),
+                real(percent(p.display_seconds, base.display_seconds)),
                 percent(p.host_seconds, base.host_seconds),
                 percent(p.bytes_per_second, base.bytes_per_second),
-                percent(p.ram_bytes as f64, base.ram_bytes as f64),
+                real(percent(p.ram_bytes as f64, base.ram_bytes as f64)),
             ];
             if *p.settings() == middle {
                 table.strong_row(cells);
@@ -349,7 +362,8 @@ fn knobs(points: &[Point], pixels: u32) -> Result<Vec<Section>> {
     }
     section.paragraph(
         "Sampling, filtering, delay and arithmetic in levels squared; “to f64”: RMSE against the \
-         same display in f64.",
+         same display in f64. Narrower numbers are emulated (rounded where integers would be), so \
+         that they have an error but no time.",
     );
     Ok(vec![section])
 }

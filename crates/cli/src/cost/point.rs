@@ -23,6 +23,7 @@ use unframed_recon::{Arith, Display, Fixed, Player};
 use unframed_wire::Tick;
 
 use super::effort::{Arrivals, Work};
+use super::formats::In;
 use super::knobs::{Format, Knobs};
 use super::ram;
 use super::stream::{self, Stream};
@@ -148,6 +149,15 @@ pub fn measure(
         }
         Format::F32 => job.run::<f32>(|_, _, _| None),
         Format::F64 => job.run::<f64>(|_, _, _| None),
+        Format::Narrow(narrow) => narrow.run(&job),
+    }
+}
+
+impl In for &Job<'_> {
+    type Output = Result<Measured>;
+
+    fn numbers<A: Arith>(self) -> Self::Output {
+        self.run::<A>(|_, _, _| None)
     }
 }
 

@@ -11,7 +11,7 @@ use unframed_wire::{Layout, TileFields};
 
 use super::knobs::Knobs;
 use crate::args::{Size, Source};
-use crate::measure::{REFRESH_HZ, host};
+use crate::measure::{REFRESH_HZ, detailed};
 use crate::work::Stopwatch;
 
 /// What one host sent.
@@ -48,7 +48,7 @@ impl Stream {
             seed,
             method: knobs.method,
         };
-        let mut host = host(&source, knobs.method, world.clone());
+        let mut host = detailed(&source, knobs.method, world.clone(), knobs.detail);
         let mut stream = Self {
             refreshes: Vec::new(),
             host_seconds: 0.0,

@@ -103,7 +103,9 @@ impl Study {
         let first = self.first();
         // Displays of the same stream share it: whatever the display, the host does the same.
         let mut streams: Vec<Knobs> = Vec::new();
-        let same = |a: &Knobs, b: &Knobs| (a.method, a.density) == (b.method, b.density);
+        let same = |a: &Knobs, b: &Knobs| {
+            (a.method, a.density, a.detail) == (b.method, b.density, b.detail)
+        };
         for knobs in todo {
             if !streams.iter().any(|other| same(knobs, other)) {
                 streams.push(*knobs);

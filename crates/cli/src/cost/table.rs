@@ -52,9 +52,14 @@ impl Point {
     /// What it costs, for fronts.
     #[must_use]
     pub fn costs(&self) -> Costs {
+        let time = match self.knobs.format.is_real() {
+            true => self.display_seconds,
+            // It neither beats nor is beaten.
+            false => f64::INFINITY,
+        };
         [
             self.rmse,
-            self.display_seconds,
+            time,
             self.bytes_per_second,
             self.ram_bytes as f64,
         ]
@@ -108,7 +113,7 @@ pub fn points(
         .collect();
     let costs: Vec<Costs> = points.iter().map(Point::costs).collect();
     for ((point, front), own) in points.iter_mut().zip(on_front(&costs)).zip(&costs) {
-        point.on_front = front;
+        point.on_front = front && point.knobs.format.is_real();
         point.dominated_by = dominated_by(own, &costs);
     }
     points
@@ -204,21 +209,28 @@ pub fn slope(pairs: &[(f64, f64)]) -> Option<f64> {
 #[must_use]
 pub fn csv(points: &[Point]) -> String {
     let mut out = String::from(
-        "sweep,method,rate,samples,format,fit,hidden,extents,lifetime,kernel,fill,light,rmse,psnr,\
+        "sweep,method,rate,samples,format,detail,fit,hidden,extents,lifetime,kernel,fill,light,rmse,psnr,\
          mse_sampling,mse_filtering,mse_arithmetic,mse_delay,mse_total,rmse_to_oracle,\
          host_seconds,display_seconds,instructions_per_sample,bytes_per_second,ram_bytes,on_front,\
          preset\r\n",
     );
     for p in points {
         let (k, e) = (&p.knobs, &p.error);
-        let format = format!("{:?}", k.format).to_lowercase();
+        let real = |number: String| {
+            if k.format.is_real() {
+                number
+            } else {
+                String::new()
+            }
+        };
         let instructions = p.instructions_per_sample.map(|v| v.to_string());
         let cells = [
             p.sweep.to_owned(),
             k.method.to_owned(),
             k.rate.to_string(),
             k.samples.to_string(),
-            format,
+            k.format.name().to_owned(),
+            k.detail.clone(),
             k.fit.to_owned(),
             k.hidden.to_string(),
             k.extents.clone(),
@@ -235,10 +247,10 @@ pub fn csv(points: &[Point]) -> String {
             e.total.to_string(),
             p.rmse_to_oracle.to_string(),
             p.host_seconds.to_string(),
-            p.display_seconds.to_string(),
+            real(p.display_seconds.to_string()),
             instructions.unwrap_or_default(),
             p.bytes_per_second.to_string(),
-            p.ram_bytes.to_string(),
+            real(p.ram_bytes.to_string()),
             p.on_front.to_string(),
             p.preset.unwrap_or("").to_owned(),
         ];
@@ -300,6 +312,7 @@ mod tests {
                 ("rate", knobs.rate.to_string()),
                 ("samples", knobs.samples.to_string()),
                 ("format", "fixed".to_owned()),
+                ("detail", String::new()),
                 ("fit", knobs.fit.to_owned()),
                 ("hidden", knobs.hidden.to_string()),
                 ("extents", knobs.extents),
