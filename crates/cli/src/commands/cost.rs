@@ -5,9 +5,11 @@ use serde_json::json;
 
 use unframed_host::scene::Scene;
 use unframed_host::trace::World;
+use unframed_sim::Gpu;
 
 use super::{bar, make_out};
 use crate::args::{CostArgs, Size};
+use crate::cost::adapter::OnAdapter;
 use crate::cost::budget::{Answer, Budget, Candidate, solve};
 use crate::cost::cores::{Core, Cores, or_say};
 use crate::cost::effort::{Effort, Law};
@@ -16,7 +18,7 @@ use crate::cost::knobs::{Knobs, PRESETS, Planned, Preset, sweeps};
 use crate::cost::scaling::{Curve, curves};
 use crate::cost::study::{Study, WARM_UP, parallel};
 use crate::cost::table::{COSTS, Point, csv, factor_per_decibel, points, presets};
-use crate::cost::{answer, page, short};
+use crate::cost::{adapter, answer, page, short};
 use crate::eval::store::write_whole;
 use crate::measure::{REFRESH_HZ, open_scene};
 use crate::report::write_file;
@@ -104,8 +106,11 @@ pub fn cost(args: &CostArgs) -> Result<()> {
             ))
         })
         .collect::<Result<Vec<Answer>>>()?;
+    progress.set_message("graphics adapter");
+    let study = studies.first().context("no scene")?;
+    let adapter = on_adapter(args, study, &points)?;
     progress.finish_and_clear();
-    write(args, pixels, &points, &curves, &answers)?;
+    write(args, pixels, &points, &curves, adapter.as_ref(), &answers)?;
     tell(&points, &answers);
     println!(
         "numbers, plots and fronts: {}",
@@ -236,11 +241,28 @@ fn candidates(
     Ok(each.filter_map(candidate).collect())
 }
 
+/// The presets among the points on the graphics adapter, if there is one.
+fn on_adapter(args: &CostArgs, study: &Study, points: &[Point]) -> Result<Option<OnAdapter>> {
+    let gpu = match Gpu::new() {
+        Ok(gpu) => gpu,
+        Err(reason) => {
+            eprintln!("left out: the presets on a graphics adapter ({reason})");
+            return Ok(None);
+        }
+    };
+    let measured = |preset: &&Preset| points.iter().any(|p| p.preset == Some(preset.name));
+    let presets: Vec<&Preset> = PRESETS.iter().filter(measured).collect();
+    let counted = [(WARM_UP * f64::from(REFRESH_HZ)) as u32, refreshes(args)];
+    let world = &study.world;
+    adapter::measure(&gpu, &presets, world, args.size, args.seed, counted).map(Some)
+}
+
 fn write(
     args: &CostArgs,
     pixels: u32,
     points: &[Point],
     curves: &[Curve],
+    adapter: Option<&OnAdapter>,
     answers: &[Answer],
 ) -> Result<()> {
     let factors: serde_json::Map<String, serde_json::Value> = COSTS
@@ -259,6 +281,7 @@ fn write(
         "points": points,
         "factor_per_decibel": factors,
         "scaling": curves,
+        "adapter": adapter,
         "budgets": answers,
     });
     let bytes = serde_json::to_vec_pretty(&report)?;
@@ -272,7 +295,7 @@ fn write(
         ("panel", format!("{}x{}", args.size.width, args.size.height)),
         ("simulated", format!("{} s", args.seconds)),
     ];
-    page::write(points, curves, answers, &facts, pixels, &args.out)?;
+    page::write(points, curves, adapter, answers, &facts, pixels, &args.out)?;
     Ok(())
 }
 

@@ -7,8 +7,10 @@
 //!
 //! Small cores: [`effort`] counts work and knows what it costs, [`cores`] finds that out on an
 //! emulator, [`forecast`] counts the work of another panel, [`budget`] finds the best preset for a
-//! machine, which [`answer`] puts into words. [`scaling`] shows how cost grows.
+//! machine, which [`answer`] puts into words. [`scaling`] shows how cost grows, [`adapter`] what
+//! the presets take on a graphics adapter.
 
+pub mod adapter;
 pub mod answer;
 pub mod budget;
 pub mod cores;

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 
+use super::adapter::{self, OnAdapter};
 use super::answer;
 use super::budget::Answer;
 use super::formats::FORMATS;
@@ -21,6 +22,7 @@ use crate::report::{Axis, BarChart, Plot, Report, Scale, Section, Table, write_f
 pub fn write(
     points: &[Point],
     curves: &[Curve],
+    on_adapter: Option<&OnAdapter>,
     answers: &[Answer],
     facts: &[(&str, String)],
     pixels: u32,
@@ -62,6 +64,9 @@ pub fn write(
     }
     if let Some(section) = scaling(points, dir)? {
         report.section(section);
+    }
+    if let Some(found) = on_adapter {
+        report.section(adapter::section(found, &presets(points))?);
     }
     if !answers.is_empty() {
         report.section(answer::section(answers));
