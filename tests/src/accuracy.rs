@@ -362,7 +362,7 @@ impl<'a> Flipped<'a> {
                 || ours.near_mover != theirs.near_mover
                 || !close(f64::from(ours.limit) / STEPS, theirs.limit);
             if close(seen.depth, theirs.limit)
-                || seen.reach.iter().any(|reach| close(theirs.limit, *reach))
+                || theirs.reach.iter().any(|reach| close(theirs.limit, *reach))
             {
                 &mut flips.depths
             } else if elsewhere && self.strayed {
@@ -451,9 +451,9 @@ mod tests {
                 y: (x * 128.0) as u16,
                 depth,
                 weight: 1 << 15,
-                reach: [0, 0],
                 ..Projected::<Fixed>::default()
             },
+            reach: [0, 0],
             transform: Transform::default(),
             pixel: 0,
             limit,
@@ -467,9 +467,9 @@ mod tests {
                 y: x,
                 depth: f64::from(depth) / STEPS,
                 weight: 1.0,
-                reach: [0.0, 0.0],
                 ..Projected::<f64>::default()
             },
+            reach: [0.0, 0.0],
             transform: FloatTransform::default(),
             pixel: 0,
             limit: f64::from(limit) / STEPS,

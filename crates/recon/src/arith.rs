@@ -5,6 +5,8 @@
 //! by design (tile codes, 8-bit colour) is discrete in all.
 
 use crate::config::TimeKernel;
+use crate::lanes::LANES;
+use crate::motion::Past;
 use crate::taps::Taps;
 use crate::tiles::TileMap;
 use unframed_wire::{Pose, View};
@@ -84,15 +86,10 @@ pub struct Projected<A: Arith> {
     pub depth: A::Depth,
     /// What it counts for: its decline with age; zero when it is out of sight.
     pub weight: A::Weight,
-    /// Filter widths in x and y.
-    pub widths: [A::Width; 2],
-    /// How deep an occluder may lie that could have hidden it since it was taken, at rest and
-    /// with moving objects, see [`crate::motion`].
-    pub reach: [A::Depth; 2],
     /// Its colour as received.
     pub rgb: [u8; 3],
-    /// Whether it belongs to an object that moves.
-    pub moves: bool,
+    /// What may have hidden it since it was taken.
+    pub past: Past,
 }
 
 /// A colour and how much is known of it.
@@ -131,12 +128,16 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
     type Sum: Copy + Default + Send + Sync + core::fmt::Debug;
     /// What a sample adds to a pixel's sums and moments, but for its weight there.
     type Features: Copy + core::fmt::Debug;
+    /// A weight as features are multiplied by it.
+    type Factor: Copy + core::fmt::Debug;
     /// A light value.
     type Light: Copy + Default + PartialEq + Send + Sync + core::fmt::Debug;
     /// A confidence in 0..=1.
     type Confidence: Copy + Default + PartialEq + Send + Sync + core::fmt::Debug;
     /// View and pose composed.
     type Transform: Copy + Default + Send + Sync + core::fmt::Debug;
+    /// A direction before it is divided by its distance.
+    type Sight: Copy + Default + core::fmt::Debug;
 
     /// Deeper than anything.
     const FAR: Self::Depth;
@@ -144,12 +145,23 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
     /// Composes a sound view with a sound pose.
     fn compose(view: &View, pose: &Pose) -> Self::Transform;
 
+    /// In which direction a lattice point is seen, and whether that is before the eye and within
+    /// the guard.
+    fn sight(transform: &Self::Transform, panel: &Panel, place: [i16; 3]) -> (Self::Sight, bool);
+
+    /// Where something in sight is seen: x, y and depth.
+    fn seen(panel: &Panel, sight: &Self::Sight) -> (Self::Coord, Self::Coord, Self::Depth);
+
     /// Where a lattice point is seen: x, y and depth; `None` behind the eye or beyond the guard.
+    #[inline]
     fn project(
         transform: &Self::Transform,
         panel: &Panel,
         place: [i16; 3],
-    ) -> Option<(Self::Coord, Self::Coord, Self::Depth)>;
+    ) -> Option<(Self::Coord, Self::Coord, Self::Depth)> {
+        let (sight, inside) = Self::sight(transform, panel, place);
+        inside.then(|| Self::seen(panel, &sight))
+    }
 
     /// The coordinate of 1/16 pixels from the panel's edge.
     fn from_sixteenths(panel: &Panel, v: u16) -> Self::Coord;
@@ -226,11 +238,14 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
         anchor: (i32, i32),
     ) -> Self::Features;
 
+    /// The products of a weight and of taps beside each other.
+    fn factors(weight: Self::Weight, taps: &[Self::Weight; LANES]) -> [Self::Factor; LANES];
+
     /// Adds weighted features to sums.
-    fn add(sums: &mut Sums<Self>, weight: Self::Weight, features: &Self::Features);
+    fn add(sums: &mut Sums<Self>, weight: Self::Factor, features: &Self::Features);
 
     /// Adds weighted features to moments.
-    fn add_moments(moments: &mut Moments<Self>, weight: Self::Weight, features: &Self::Features);
+    fn add_moments(moments: &mut Moments<Self>, weight: Self::Factor, features: &Self::Features);
 
     /// Moments about a pixel's centre from those about its square's anchor; `pixel` as column and
     /// row within the square.

@@ -2,10 +2,10 @@
 //! by decision (feature `float`).
 
 use crate::arith::{Arith, Projected};
-use crate::config::Extents;
 use crate::display::Display;
 use crate::hidden;
-use crate::project::Instant;
+use crate::project::{Instant, locate};
+use crate::splat::Widths;
 use crate::workers::Workers;
 use unframed_wire::Tick;
 
@@ -22,6 +22,9 @@ pub struct Decision<A: Arith> {
     pub limit: A::Depth,
     /// Whether a sample of a moving object lies nearby.
     pub near_mover: bool,
+    /// How deep an occluder may lie that could have hidden it since it was taken, away from and
+    /// near moving objects.
+    pub reach: [A::Depth; 2],
     /// Whether it was hidden.
     pub hidden: bool,
     /// Its filter widths in x and y.
@@ -42,13 +45,14 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
                 panel: &self.panel,
                 tiles: &self.tiles,
                 slots: self.slots,
-                reach: &reach,
                 now,
             };
             let age = instant.age(sample.time)?;
-            let seen = instant
-                .see(sample, &age)
-                .filter(|seen| A::counts(seen.weight))?;
+            let place = locate(&self.panel, self.slots, sample)?;
+            let seen = instant.weigh(sample, &age, place);
+            if !A::counts(seen.weight) {
+                return None;
+            }
             let at = |v| A::pixel(&self.panel, v);
             let pixel = self.panel.nearest(at(seen.x), at(seen.y));
             let tests = self.config.hidden;
@@ -59,11 +63,10 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
                 pixel,
                 limit: self.limits.get(pixel).copied().unwrap_or_default(),
                 near_mover: self.movers.get(pixel).is_some_and(|mover| *mover != 0),
-                hidden: tests && hidden::hides(self.limits, self.movers, pixel, &seen),
-                widths: match self.config.extents {
-                    Extents::Density => [self.widths.get(pixel).copied().unwrap_or_default(); 2],
-                    _ => seen.widths,
-                },
+                hidden: tests && hidden::hides(&reach, self.limits, self.movers, pixel, &seen),
+                reach: [false, true].map(|near_mover| reach.of(seen.past, near_mover)),
+                widths: Widths::new(self.config.extents, self.widths, &self.tiles)
+                    .of(&self.panel, &seen),
             })
         })
     }

@@ -3,9 +3,9 @@
 use crate::arith::{ANCHOR_BITS, Arith, GUARD, Moments, Panel, Sums, Texel};
 use crate::config::TimeKernel;
 use crate::extents;
-use crate::lanes::{Pair, Weight};
-use crate::num::{Divider, exponent, log2_q11, mul_hi, normalise, reciprocal, shift};
-use crate::tables::{TIME, TIME_FIRST};
+use crate::lanes::{self, Factor, LANES, Pair};
+use crate::num::{Divider, log2_q11, mul_hi, normalise, reciprocal};
+use crate::tables::{TIME, TIME_FIRST, TIME_LEN};
 use crate::taps::{self, DISTANCE_BITS, Taps};
 use crate::tiles::{CELL_BITS, Cell, TileMap};
 use crate::transform::Transform;
@@ -30,32 +30,53 @@ const MASS_LIMIT: u32 = 64 << 15;
 /// The ridge on the plane's slopes, px² with 20 fractional bits, see [`crate::solve`].
 const RIDGE: i64 = crate::solve::RIDGE_Q20;
 
+/// A direction from the guard band's corner: x and y in pixels are x/w and y/w, the depth is w in
+/// units of 2^`exponent`. None is beyond 2^62.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sight {
+    x: u64,
+    y: u64,
+    w: u64,
+    exponent: i32,
+}
+
 /// A coordinate's place in distance units from the guard's edge: the middle of its step.
 #[inline]
 fn middle(panel: &Panel, v: u16) -> i32 {
     (2 * i32::from(v) + 1) << (DISTANCE_BITS - 1 - u32::from(panel.frac_bits))
 }
 
-/// Where a coordinate lies between the centres of cells: the cell before, and the way to the
-/// next in 1/512.
+/// Where a coordinate lies between the centres of `cells` cells, beyond the outermost as on them:
+/// the cell before, and the way to the next in 1/512.
 #[inline]
-fn between_cells(panel: &Panel, v: u16) -> (i32, i32) {
+fn between_cells(panel: &Panel, cells: usize, v: u16) -> (usize, i32) {
     let bits = u32::from(panel.frac_bits);
-    let from_centre = i32::from(v) - (GUARD << bits) - ((1 << CELL_BITS >> 1) << bits);
-    let cell = from_centre >> (bits + CELL_BITS);
+    let from_centre = i32::from(v) - ((GUARD + (1 << CELL_BITS >> 1)) << bits);
+    let last = (cells as i32 - 1) << (bits + CELL_BITS);
+    let from_centre = from_centre.min(last).max(0);
     let rest = from_centre & ((1 << (bits + CELL_BITS)) - 1);
-    (cell, rest << (9 - bits - CELL_BITS))
+    let cell = from_centre >> (bits + CELL_BITS);
+    (cell as usize, rest << (9 - bits - CELL_BITS))
 }
 
 /// A tile quantity, bilinear between cells: log2 with 11 fractional bits.
 #[inline]
 fn bilinear(cells: &[Cell; 4], fx: i32, fy: i32, of: impl Fn(&Cell) -> LogCode) -> i32 {
-    let log = |i: usize| of(&cells[i]).log2_q8();
-    let (a, b, c, d) = (log(0), log(1), log(2), log(3));
-    // |log2| ≤ 2^12 with 8 fractional bits, times 2^18.
-    let top = a * (512 - fx) + b * fx;
-    let bottom = c * (512 - fx) + d * fx;
-    (top * (512 - fy) + bottom * fy + (1 << 14)) >> 15
+    let code = |i: usize| i32::from(of(&cells[i]).0);
+    let (a, b, c, d) = (code(0), code(1), code(2), code(3));
+    let top = (a << 9) + (b - a) * fx;
+    let bottom = (c << 9) + (d - c) * fx;
+    // Below 2^8, times 2^18; a code is an eighth of an octave, and 128 is 1.
+    (((top << 9) + (bottom - top) * fy + (1 << 9)) >> 10) - (128 << 8)
+}
+
+/// The cells around a place, and the way from the first to the others in 1/512.
+#[inline]
+fn cells_around(map: &TileMap<'_>, panel: &Panel, x: u16, y: u16) -> ([Cell; 4], i32, i32) {
+    let (columns, rows) = map.size();
+    let (column, fx) = between_cells(panel, columns, x);
+    let (row, fy) = between_cells(panel, rows, y);
+    (map.corner(column, row), fx, fy)
 }
 
 impl Arith for Fixed {
@@ -67,9 +88,11 @@ impl Arith for Fixed {
     type Width = i16;
     type Sum = i64;
     type Features = [Pair; 8];
+    type Factor = Factor;
     type Light = u16;
     type Confidence = u16;
     type Transform = Transform;
+    type Sight = Sight;
 
     const FAR: u16 = u16::MAX;
 
@@ -78,27 +101,37 @@ impl Arith for Fixed {
     }
 
     #[inline]
-    fn project(transform: &Transform, panel: &Panel, place: [i16; 3]) -> Option<(u16, u16, u16)> {
+    fn sight(transform: &Transform, panel: &Panel, place: [i16; 3]) -> (Sight, bool) {
         let [nx, ny, w] = transform.numerators(place);
         // |n| < 2^50, so the products with at most 2^12 cannot overflow.
         let x = nx + w * i64::from(GUARD);
         let y = ny + w * i64::from(GUARD);
-        if w <= 0
-            || x < 0
-            || y < 0
-            || x >= w * (i64::from(panel.width) + 2 * i64::from(GUARD))
-            || y >= w * (i64::from(panel.height) + 2 * i64::from(GUARD))
-        {
-            return None;
-        }
-        let top = exponent(w as u64);
-        let inverse = reciprocal(normalise(w as u64));
-        let extent = i32::from(panel.extent_bits);
-        let drop = 31 - extent - i32::from(panel.frac_bits);
-        let quotient =
-            |v: i64| (mul_hi(shift(v, 31 - top - extent) as u32, inverse) >> drop) as u16;
-        let depth = log2_q11(w as u64) + (transform.exponent - DEPTH_FIRST) * 2048;
-        Some((quotient(x), quotient(y), depth.clamp(0, 65534) as u16))
+        // Neither below zero nor beyond the guard: one comparison.
+        let within = |v: i64, size: u16| {
+            let limit = w * (i64::from(size) + 2 * i64::from(GUARD));
+            (v as u64) < limit as u64
+        };
+        let inside = (w > 0) & within(x, panel.width) & within(y, panel.height);
+        let sight = Sight {
+            x: x as u64,
+            y: y as u64,
+            w: w as u64,
+            exponent: transform.exponent,
+        };
+        (sight, inside)
+    }
+
+    #[inline]
+    fn seen(panel: &Panel, sight: &Sight) -> (u16, u16, u16) {
+        let inverse = reciprocal(normalise(sight.w));
+        let extent = u32::from(panel.extent_bits);
+        let drop = 31 - extent - u32::from(panel.frac_bits);
+        // w < 2^50, so that it has more leading zeros than `extent`; x and y are below w·2^extent.
+        let up = sight.w.leading_zeros().saturating_sub(extent);
+        let quotient = |v: u64| (mul_hi(((v << up) >> 32) as u32, inverse) >> drop) as u16;
+        let depth = log2_q11(sight.w) + (sight.exponent - DEPTH_FIRST) * 2048;
+        let depth = depth.clamp(0, 65534) as u16;
+        (quotient(sight.x), quotient(sight.y), depth)
     }
 
     #[inline]
@@ -132,8 +165,8 @@ impl Arith for Fixed {
 
     #[inline]
     fn lifetime(map: &TileMap<'_>, panel: &Panel, x: u16, y: u16) -> i32 {
-        let ((column, fx), (row, fy)) = (between_cells(panel, x), between_cells(panel, y));
-        bilinear(&map.around(column, row), fx, fy, Cell::weighed)
+        let (cells, fx, fy) = cells_around(map, panel, x, y);
+        bilinear(&cells, fx, fy, Cell::weighed)
     }
 
     fn log(q8: i16) -> i32 {
@@ -142,8 +175,7 @@ impl Arith for Fixed {
 
     #[inline]
     fn extents(map: &TileMap<'_>, panel: &Panel, x: u16, y: u16) -> (i32, i16, i16) {
-        let ((column, fx), (row, fy)) = (between_cells(panel, x), between_cells(panel, y));
-        let cells = map.around(column, row);
+        let (cells, fx, fy) = cells_around(map, panel, x, y);
         let log = |of: fn(&Cell) -> LogCode| (bilinear(&cells, fx, fy, of) + 4) >> 3;
         let (ex, ey, et) = extents::extents(
             log(|cell| cell.gx),
@@ -167,13 +199,14 @@ impl Arith for Fixed {
             TimeKernel::Gaussian => &TIME[1],
             TimeKernel::Exponential => &TIME[2],
         };
-        let u = age - lifetime - 8 * TIME_FIRST;
-        let u = u.max(0) as usize;
-        let (Some(a), Some(b)) = (table.get(u >> 3), table.get((u >> 3) + 1)) else {
-            return 0;
-        };
+        let u = (age - lifetime - 8 * TIME_FIRST).max(0) as usize;
+        // Chosen afterwards: many samples of a busy tile are beyond the table, in no order.
+        let last = TIME_LEN - 2;
+        let at = (u >> 3).min(last);
+        let (a, b) = (table[at], table[at + 1]);
         // Declining: a ≥ b.
-        a - (((a - b) * (u & 7) as u16 + 4) >> 3)
+        let weight = a - (((a - b) * (u & 7) as u16 + 4) >> 3);
+        if u >> 3 > last { 0 } else { weight }
     }
 
     #[inline]
@@ -239,18 +272,21 @@ impl Arith for Fixed {
     }
 
     #[inline]
-    fn add(sums: &mut Sums<Self>, weight: u16, features: &[Pair; 8]) {
+    fn factors(weight: u16, taps: &[u16; LANES]) -> [Factor; LANES] {
+        lanes::factors(weight, taps)
+    }
+
+    #[inline]
+    fn add(sums: &mut Sums<Self>, weight: Factor, features: &[Pair; 8]) {
         // A share of light is below 2^31: 2^32 samples on one pixel would fit.
-        let weight = Weight::new(weight);
         for (sums, pair) in sums.as_chunks_mut().0.iter_mut().zip(&features[..2]) {
             pair.add_to(weight, sums);
         }
     }
 
     #[inline]
-    fn add_moments(moments: &mut Moments<Self>, weight: u16, features: &[Pair; 8]) {
+    fn add_moments(moments: &mut Moments<Self>, weight: Factor, features: &[Pair; 8]) {
         // Moments about the anchor may wrap; what `centred` makes of them fits again.
-        let weight = Weight::new(weight);
         for (sums, pair) in moments.as_chunks_mut().0.iter_mut().zip(&features[2..]) {
             pair.add_to(weight, sums);
         }

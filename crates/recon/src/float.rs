@@ -5,7 +5,8 @@
 use crate::arith::{ANCHOR_BITS, Arith, GUARD, Moments, Panel, REACH, Sums, Texel};
 use crate::config::TimeKernel;
 use crate::extents;
-use crate::taps::{self, SPAN, Taps};
+use crate::lanes::LANES;
+use crate::taps::{self, PADDED, SPAN, Taps};
 use crate::tiles::{CELL, Cell, TileMap};
 use unframed_wire::{LogCode, Pose, View};
 
@@ -38,9 +39,11 @@ macro_rules! float_arith {
             type Width = $float;
             type Sum = $float;
             type Features = [$float; 15];
+            type Factor = $float;
             type Light = $float;
             type Confidence = $float;
             type Transform = FloatTransform<$float>;
+            type Sight = [$float; 3];
 
             const FAR: $float = <$float>::INFINITY;
 
@@ -66,11 +69,11 @@ macro_rules! float_arith {
                 FloatTransform { matrix, offset }
             }
 
-            fn project(
+            fn sight(
                 transform: &Self::Transform,
                 panel: &Panel,
                 place: [i16; 3],
-            ) -> Option<($float, $float, $float)> {
+            ) -> ([$float; 3], bool) {
                 let mut n = transform.offset;
                 for (n, row) in n.iter_mut().zip(&transform.matrix) {
                     for (m, q) in row.iter().zip(place) {
@@ -84,7 +87,11 @@ macro_rules! float_arith {
                     && y >= 0.0
                     && x < <$float>::from(panel.width) + 2.0 * guard
                     && y < <$float>::from(panel.height) + 2.0 * guard;
-                inside.then(|| (x, y, $log2(n[2])))
+                ([x, y, n[2]], inside)
+            }
+
+            fn seen(_: &Panel, [x, y, w]: &[$float; 3]) -> ($float, $float, $float) {
+                (*x, *y, $log2(*w))
             }
 
             fn from_sixteenths(_: &Panel, v: u16) -> $float {
@@ -205,11 +212,11 @@ macro_rules! float_arith {
                     }
                 };
                 let mut taps = Taps {
-                    weights: [0.0; SPAN],
+                    weights: [0.0; PADDED],
                     first: REACH,
                     last: -REACH,
                 };
-                for (weight, pixel) in taps.weights.iter_mut().zip(-REACH..) {
+                for (weight, pixel) in taps.weights[..SPAN].iter_mut().zip(-REACH..) {
                     let d = (from_middle - pixel as $float).abs();
                     *weight = (1.0 - part) * tap(d, sigma) + part * tap(d, wider);
                     if *weight > 0.0 {
@@ -256,6 +263,10 @@ macro_rules! float_arith {
                     y * g,
                     y * b,
                 ]
+            }
+
+            fn factors(weight: $float, taps: &[$float; LANES]) -> [$float; LANES] {
+                taps.map(|tap| Self::times(weight, tap))
             }
 
             fn add(sums: &mut Sums<Self>, weight: $float, features: &[$float; 15]) {

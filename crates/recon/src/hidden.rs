@@ -10,6 +10,7 @@
 //! [`crate::motion`].
 
 use crate::arith::{Arith, Panel, Projected};
+use crate::motion::Reach;
 
 /// Sides of the cells, pixels.
 pub const CELLS: [usize; 3] = [1, 2, 32];
@@ -34,11 +35,19 @@ pub const fn minima_len(width: u16, height: u16) -> usize {
     sum
 }
 
+#[inline]
+fn max<D: PartialOrd>(a: D, b: D) -> D {
+    if a < b { b } else { a }
+}
+
+#[inline]
+fn min<D: PartialOrd>(a: D, b: D) -> D {
+    if a < b { a } else { b }
+}
+
 /// The three smallest-first largest of nine: a running top three.
 #[inline]
 fn top_three<D: PartialOrd + Copy>(values: [D; 9]) -> [D; 3] {
-    let max = |a: D, b: D| if a < b { b } else { a };
-    let min = |a: D, b: D| if a < b { a } else { b };
     let [a, b, c, rest @ ..] = values;
     let (lo, hi) = (min(a, b), max(a, b));
     let mut third = min(lo, c);
@@ -55,54 +64,34 @@ fn top_three<D: PartialOrd + Copy>(values: [D; 9]) -> [D; 3] {
     [third, second, first]
 }
 
-/// Nearest depth of each pixel of the rows from `top` on.
-pub fn nearest<'a, A: Arith>(
-    panel: &Panel,
-    samples: impl Iterator<Item = &'a [Projected<A>]>,
-    top: usize,
-    level: &mut [A::Depth],
-) {
-    level.fill(A::FAR);
-    let first = top * usize::from(panel.width);
-    for samples in samples {
-        for sample in samples {
-            let (x, y) = (A::pixel(panel, sample.x), A::pixel(panel, sample.y));
-            let own = panel
-                .inside(x, y)
-                .and_then(|pixel| pixel.checked_sub(first));
-            if let Some(cell) = own.and_then(|own| level.get_mut(own))
-                && sample.depth < *cell
-            {
-                *cell = sample.depth;
-            }
-        }
-    }
-}
-
 /// A sample of a moving object lies in the pixel; the other bit of a mark is its verdict.
 const OWN: u8 = 2;
 
-/// Marks the pixels, of the rows from `top` on, within one pixel of a sample of a moving object.
-/// A mark is 1.
-pub fn mark_movers<'a, A: Arith>(
+/// What the samples say of the pixels of the rows from `top` on: the nearest depth in each, and
+/// which lie within one pixel of a sample of a moving object: their mark is 1.
+pub fn survey<'a, A: Arith>(
     panel: &Panel,
     samples: impl Iterator<Item = &'a [Projected<A>]>,
     top: usize,
+    nearest: &mut [A::Depth],
     movers: &mut [u8],
 ) {
+    nearest.fill(A::FAR);
     movers.fill(0);
     let width = usize::from(panel.width);
     let first = top * width;
-    for samples in samples {
-        for at in samples.iter().filter(|s| s.moves) {
-            let (x, y) = (A::pixel(panel, at.x), A::pixel(panel, at.y));
-            let own = panel
-                .inside(x, y)
-                .and_then(|pixel| pixel.checked_sub(first));
-            if let Some(mark) = own.and_then(|own| movers.get_mut(own)) {
-                *mark |= OWN;
-                continue;
-            }
+    for at in samples.flatten() {
+        let (x, y) = (A::pixel(panel, at.x), A::pixel(panel, at.y));
+        let own = panel
+            .inside(x, y)
+            .and_then(|pixel| pixel.checked_sub(first));
+        if let Some(own) = own
+            && let (Some(cell), Some(mark)) = (nearest.get_mut(own), movers.get_mut(own))
+        {
+            // Stored whether it changes or not: there is no telling which samples are nearest.
+            *cell = min(at.depth, *cell);
+            *mark |= if at.past.moves() { OWN } else { 0 };
+        } else if at.past.moves() {
             // Beside the band: those of its pixels that are near.
             for dy in -1..=1 {
                 for dx in -1..=1 {
@@ -150,6 +139,7 @@ fn spread(movers: &mut [u8], width: usize) {
 /// Whether a sample of a pixel is hidden.
 #[inline]
 pub fn hides<A: Arith>(
+    reach: &Reach<A>,
     limits: &[A::Depth],
     movers: &[u8],
     pixel: usize,
@@ -158,9 +148,7 @@ pub fn hides<A: Arith>(
     let (Some(limit), Some(mover)) = (limits.get(pixel), movers.get(pixel)) else {
         return false;
     };
-    let [resting, moving] = sample.reach;
-    let reach = if *mover == 0 { resting } else { moving };
-    *limit < sample.depth && *limit <= reach
+    (*limit < sample.depth) & (*limit <= reach.of(sample.past, *mover != 0))
 }
 
 /// The coarser minima from the first level.
@@ -200,67 +188,87 @@ fn levels_mut<'a, D>(
 /// The depth beyond which each pixel is hidden, of the rows from `top` (a multiple of 32) on.
 pub fn limits<A: Arith>(panel: &Panel, minima: &[A::Depth], top: usize, limits: &mut [A::Depth]) {
     limits.fill(A::FAR);
-    let mut rest = minima;
-    for (side, rank) in [(1, 0), (2, 1), (32, 2)] {
-        let size = [panel.width, panel.height].map(|pixels| cells_along(pixels, side));
-        let (cells, others) = rest.split_at_checked(size[0] * size[1]).unwrap_or_default();
-        rest = others;
-        let limit = |around| {
-            let [third, second, first] = top_three(around);
-            let depth = match rank {
-                0 => third,
-                1 => second,
-                _ => first,
-            };
-            A::behind(depth, side as u32)
-        };
-        each(
-            cells,
-            size,
-            side,
-            top.checked_div(side).unwrap_or_default(),
-            limits,
-            usize::from(panel.width),
-            limit,
-        );
-    }
+    let [fine, halves, blocks] = levels(panel, minima);
+    lower::<A, 1>(panel, fine, top, limits, |[third, ..]| third);
+    lower::<A, 2>(panel, halves, top, limits, |[_, second, _]| second);
+    lower::<A, 32>(panel, blocks, top, limits, |[.., first]| first);
 }
 
-/// Lowers the limits of the pixels of each cell to what `limit` makes of the 3 × 3 cells around
-/// it, clamped at borders; `limits` begins with the row of cells `first`.
-fn each<D: Copy + Default + PartialOrd>(
-    cells: &[D],
-    [columns, rows]: [usize; 2],
-    side: usize,
-    first: usize,
-    limits: &mut [D],
-    width: usize,
-    limit: impl Fn([D; 9]) -> D,
+/// The levels of minima: of pixels, of 2 and of 32 pixels.
+fn levels<'a, D>(panel: &Panel, minima: &'a [D]) -> [&'a [D]; 3] {
+    let mut rest = minima;
+    CELLS.map(|side| {
+        let cells = cells_along(panel.width, side) * cells_along(panel.height, side);
+        let (level, others) = rest.split_at_checked(cells).unwrap_or_default();
+        rest = others;
+        level
+    })
+}
+
+/// Cells whose limits are found at a time.
+const RUN: usize = 32;
+
+/// Lowers the limits of the pixels of cells of a side to what `choose` takes of the largest three
+/// of the 3 × 3 cells around, clamped at borders, plus the tolerance.
+fn lower<A: Arith, const SIDE: usize>(
+    panel: &Panel,
+    cells: &[A::Depth],
+    top: usize,
+    limits: &mut [A::Depth],
+    choose: impl Fn([A::Depth; 3]) -> A::Depth,
 ) {
-    let width = width.max(1);
-    let last = rows.saturating_sub(1);
-    for (row, band) in (first..rows).zip(limits.chunks_mut((side * width).max(1))) {
-        let [above, here, below] = [row.saturating_sub(1), row, (row + 1).min(last)].map(|r| {
-            let from = cells.get(r * columns..).unwrap_or_default();
+    let width = usize::from(panel.width).max(1);
+    let columns = cells_along(panel.width, SIDE).max(1);
+    let (first, last) = (
+        top / SIDE,
+        cells_along(panel.height, SIDE).saturating_sub(1),
+    );
+    for (row, band) in (first..=last).zip(limits.chunks_mut(SIDE * width)) {
+        let rows = [row.saturating_sub(1), row, (row + 1).min(last)].map(|row| {
+            let from = cells.get(row * columns..).unwrap_or_default();
             from.get(..columns).unwrap_or_default()
         });
-        let last = columns.saturating_sub(1);
-        for column in 0..columns {
-            let near = [column.saturating_sub(1), column, (column + 1).min(last)];
-            let [a, b, c] = [above, here, below]
-                .map(|line| near.map(|x| line.get(x).copied().unwrap_or_default()));
-            let limit = limit([a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]]);
-            let from = column * side;
+        for column in (0..columns).step_by(RUN) {
+            // Rows of known length, their neighbours beside them: compilers make this parallel.
+            let [a, b, c] = rows.map(|cells| with_neighbours(cells, column));
+            let run: [A::Depth; RUN] = core::array::from_fn(|i| {
+                let around = [
+                    a[i],
+                    a[i + 1],
+                    a[i + 2],
+                    b[i],
+                    b[i + 1],
+                    b[i + 2],
+                    c[i],
+                    c[i + 1],
+                    c[i + 2],
+                ];
+                A::behind(choose(top_three(around)), SIDE as u32)
+            });
             for line in band.chunks_mut(width) {
-                let to = (from + side).min(line.len());
-                for own in line.get_mut(from..to).unwrap_or_default() {
-                    if limit < *own {
-                        *own = limit;
+                let line = line.get_mut(column * SIDE..).unwrap_or_default();
+                for (pixels, limit) in line.chunks_mut(SIDE).zip(run) {
+                    for own in pixels {
+                        *own = min(limit, *own);
                     }
                 }
             }
         }
     }
+}
+
+/// [`RUN`] cells from `first` on with one before and one after; those at the ends of the row
+/// continue beyond it.
+fn with_neighbours<D: Copy + Default>(cells: &[D], first: usize) -> [D; RUN + 2] {
+    let at = |i: usize| cells.get(i).copied().unwrap_or_default();
+    let last = cells.len().saturating_sub(1);
+    let mut run = [at(last); RUN + 2];
+    let from = cells.get(first..).unwrap_or_default();
+    for (run, cell) in run[1..].iter_mut().zip(from) {
+        *run = *cell;
+    }
+    run[0] = at(first.saturating_sub(1));
+    run
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@
 //! | what | bytes |
 //! |---|---|
 //! | deep buffer | 16 N |
-//! | projected samples | 20 N, and 20 N more where they are sorted |
+//! | projected samples | 12 N, and 12 N more where they are sorted |
 //! | minima and limits | 2 (2.25 + 1/1024) W H |
 //! | movers, masses and widths | 7 W H |
 //! | sums | 32 W H, and 96 W H more for planes |
@@ -21,6 +21,7 @@ use crate::config::Config;
 use crate::deep::Stored;
 use crate::fill::pyramid_len;
 use crate::hidden::minima_len;
+use crate::motion::Past;
 use crate::rest::Mean;
 use crate::tiles::{Cell, cells_along};
 use unframed_wire::Pose;
@@ -303,10 +304,8 @@ macro_rules! empty_storage {
                         y: $zero,
                         depth: $zero,
                         weight: $zero,
-                        widths: [$zero; 2],
-                        reach: [$zero; 2],
                         rgb: [0; 3],
-                        moves: false,
+                        past: Past::NONE,
                     }; N],
                     starts: [0; 2],
                     minima: [$zero; M],

@@ -44,18 +44,54 @@ pub struct Reach<A: Arith> {
 }
 
 impl<A: Arith> Reach<A> {
-    /// The depth for a sample of this age, microseconds.
+    /// The depth for a sample, where a moving object is near it and where none is.
     #[inline]
     #[must_use]
-    pub fn of(&self, age: u32, moving: bool) -> A::Depth {
-        let bucket = ((age >> BUCKET_BITS) as usize).min(BUCKETS - 1);
-        if moving {
+    pub fn of(&self, past: Past, near_mover: bool) -> A::Depth {
+        let bucket = usize::from(past.0) % BUCKETS;
+        if near_mover || past.moves() {
             self.moving[bucket]
         } else {
             self.resting[bucket]
         }
     }
 }
+
+/// What may have hidden a sample since it was taken: the bucket of its age, and whether it belongs
+/// to an object that moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Past(u8);
+
+impl Past {
+    /// Moving or not; the other bits hold the bucket.
+    const MOVES: u8 = 0x80;
+    /// Of a sample at rest when it was taken a moment ago.
+    pub const NONE: Self = Self(0);
+
+    /// Of a sample of this age, microseconds.
+    #[inline]
+    #[must_use]
+    pub fn new(age: u32, moves: bool) -> Self {
+        let bucket = (age >> BUCKET_BITS).min(BUCKETS as u32 - 1) as u8;
+        Self(bucket).moving(moves)
+    }
+
+    /// The same of a sample that moves, or not.
+    #[inline]
+    #[must_use]
+    pub const fn moving(self, moves: bool) -> Self {
+        Self(self.0 & !Self::MOVES | if moves { Self::MOVES } else { 0 })
+    }
+
+    /// Whether it belongs to an object that moves.
+    #[inline]
+    #[must_use]
+    pub const fn moves(self) -> bool {
+        self.0 & Self::MOVES != 0
+    }
+}
+
+const _: () = assert!(BUCKETS <= Past::MOVES as usize && BUCKETS.is_power_of_two());
 
 /// The ways travelled, refresh by refresh.
 #[derive(Clone, Copy, Debug)]
@@ -261,7 +297,7 @@ mod tests {
     fn reach_is_that_of_one_pixel_of_parallax() {
         // 1000 units a refresh: after two refreshes 2000, times 256 px: one pixel at 512,000.
         let reach = moved(1000);
-        let got = f64::from(reach.of(2 * 16_384, false));
+        let got = f64::from(reach.of(Past::new(2 * 16_384, false), false));
         let exact = 512_000f64.log2() * 2048.0;
         // The bucket's middle is half a bucket (an eighth of a refresh) later.
         assert!((got - exact).abs() < 0.1 * 2048.0, "{got} {exact}");

@@ -51,7 +51,6 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
             panel: &panel,
             tiles: &self.tiles,
             slots: self.slots,
-            reach,
             now,
         };
         let stored = self.deep.samples_mut();
@@ -103,8 +102,7 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
             });
             Parts::new(work).each(workers, |(band, minima, movers)| {
                 let top = band.lines.start;
-                hidden::nearest(&panel, runs.rows(band.rows.clone()), top, minima);
-                hidden::mark_movers(&panel, runs.rows(band.reached_from()), top, movers);
+                hidden::survey(&panel, runs.rows(band.reached_from()), top, minima, movers);
             });
             hidden::coarsen::<A>(&panel, self.minima);
             let minima = &*self.minima;
@@ -126,11 +124,10 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
                 for sample in samples.iter_mut().flat_map(|samples| samples.iter_mut()) {
                     let pixel =
                         panel.nearest(A::pixel(&panel, sample.x), A::pixel(&panel, sample.y));
-                    if config.hidden && hidden::hides(limits, movers, pixel, sample) {
+                    if config.hidden && hidden::hides(reach, limits, movers, pixel, sample) {
                         sample.weight = A::Weight::default();
-                    } else if let Some(mass) =
-                        pixel.checked_sub(first).and_then(|own| mass.get_mut(own))
-                    {
+                    }
+                    if let Some(mass) = pixel.checked_sub(first).and_then(|own| mass.get_mut(own)) {
                         A::gather(mass, sample.weight);
                     }
                 }
@@ -148,10 +145,7 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
 
         let filter = Filter {
             panel: &panel,
-            widths: match config.extents {
-                Extents::Density => Widths::Map(self.widths),
-                _ => Widths::Own,
-            },
+            widths: Widths::new(config.extents, self.widths, &self.tiles),
             light: config.light.table(),
         };
         let planes = config.planes();

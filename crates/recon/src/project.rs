@@ -2,10 +2,10 @@
 
 use crate::arith::{Arith, Panel, Projected};
 use crate::bins::{self, Grid};
-use crate::config::{Config, Extents, Lifetime};
+use crate::config::{Config, Lifetime};
 use crate::deep::{Placing, Stored, age, slot};
 use crate::memory::Slot;
-use crate::motion::Reach;
+use crate::motion::Past;
 use crate::tiles::TileMap;
 use unframed_wire::Tick;
 
@@ -20,8 +20,6 @@ pub struct Instant<'a, A: Arith> {
     pub tiles: &'a TileMap<'a>,
     /// The transforms of all objects.
     pub slots: &'a [Slot<A>],
-    /// How far occlusion can reach.
-    pub reach: &'a Reach<A>,
     /// The time.
     pub now: Tick,
 }
@@ -30,9 +28,12 @@ pub struct Instant<'a, A: Arith> {
 #[derive(Clone, Copy)]
 pub(crate) struct Age<A: Arith> {
     log: A::Log,
-    /// [`Reach::of`] resting and moving samples.
-    reach: [A::Depth; 2],
+    past: Past,
 }
+
+/// Samples whose places are found before any is weighed: loops that do one thing each, over what
+/// the processor keeps close.
+const BLOCK: usize = 32;
 
 /// Where a sample is seen now: place and depth; `None` where it is out of sight.
 #[inline]
@@ -54,6 +55,14 @@ pub fn locate<A: Arith>(
     }
 }
 
+/// Where a sample of a block is seen: x, y, depth; its index.
+type Seen<A> = (
+    <A as Arith>::Coord,
+    <A as Arith>::Coord,
+    <A as Arith>::Depth,
+    usize,
+);
+
 impl<A: Arith> Instant<'_, A> {
     /// Moves samples to the instant; those in sight go to the front of `projected`, in their
     /// order, and are counted by tile: `starts` becomes where each tile's begin (see
@@ -68,29 +77,73 @@ impl<A: Arith> Instant<'_, A> {
     ) -> usize {
         starts.fill(0);
         let mut len = 0;
+        let mut places = [(<_>::default(), <_>::default(), <_>::default(), 0); BLOCK];
         // Samples of a packet share their time.
-        let (mut time, mut known) = (None, None);
-        for sample in samples {
-            if time != Some(sample.time) {
-                time = Some(sample.time);
-                known = self.age(sample.time);
-            }
-            let Some(age) = &known else {
-                sample.placing = Placing::Empty;
+        let alike = |a: &Stored, b: &Stored| (a.time, a.placing) == (b.time, b.placing);
+        for packet in samples.chunk_by_mut(alike) {
+            let Some(age) = packet.first().and_then(|sample| self.age(sample.time)) else {
+                for sample in packet {
+                    sample.placing = Placing::Empty;
+                }
                 continue;
             };
-            if let Some(seen) = self.see(sample, age)
-                && A::counts(seen.weight)
-                && let Some(place) = projected.get_mut(len)
-            {
-                if let Some(count) = starts.get_mut(grid.tile(self.panel, &seen) + 1) {
-                    *count += 1;
+            for block in packet.chunks(BLOCK) {
+                let seen = self.places(block, &mut places);
+                for (x, y, depth, index) in places.iter().take(seen) {
+                    let Some(sample) = block.get(*index) else {
+                        continue;
+                    };
+                    let seen = self.weigh(sample, &age, (*x, *y, *depth));
+                    // Written whether it counts or not: half a chance is more than a branch that
+                    // is not foreseen costs.
+                    let counts = A::counts(seen.weight);
+                    if let Some(place) = projected.get_mut(len) {
+                        *place = seen;
+                        len += usize::from(counts);
+                    }
+                    if let Some(count) = starts.get_mut(grid.tile(self.panel, &seen) + 1) {
+                        *count += u32::from(counts);
+                    }
                 }
+            }
+        }
+        bins::sum(starts);
+        len
+    }
+
+    /// Where the samples in sight of a block, whose placing is the same, are seen, with their
+    /// indices; returns their number.
+    fn places(&self, block: &[Stored], places: &mut [Seen<A>; BLOCK]) -> usize {
+        let mut len = 0;
+        let mut sights = [(A::Sight::default(), 0); BLOCK];
+        if block
+            .first()
+            .is_some_and(|sample| sample.placing == Placing::Lattice)
+        {
+            for (index, sample) in block.iter().enumerate() {
+                let slot = self.slots.get(usize::from(sample.slot));
+                if let Some(transform) = slot.and_then(|slot| slot.transform.as_ref())
+                    && let Some(place) = sights.get_mut(len)
+                {
+                    let (sight, inside) = A::sight(transform, self.panel, sample.place);
+                    *place = (sight, index);
+                    len += usize::from(inside);
+                }
+            }
+            for ((sight, index), place) in sights.iter().take(len).zip(places) {
+                let (x, y, depth) = A::seen(self.panel, sight);
+                *place = (x, y, depth, *index);
+            }
+        } else {
+            let seen = block.iter().enumerate().filter_map(|(index, sample)| {
+                let (x, y, depth) = locate(self.panel, self.slots, sample)?;
+                Some((x, y, depth, index))
+            });
+            for (place, seen) in places.iter_mut().zip(seen) {
                 *place = seen;
                 len += 1;
             }
         }
-        bins::sum(starts);
         len
     }
 
@@ -99,39 +152,31 @@ impl<A: Arith> Instant<'_, A> {
         let age = age(time, self.now)?;
         Some(Age {
             log: A::log_of_age(age),
-            reach: [self.reach.of(age, false), self.reach.of(age, true)],
+            past: Past::new(age, false),
         })
     }
 
-    /// One sample of an age as it is seen now; `None` where it is out of sight.
+    /// A sample of an age that is seen at a place and depth.
     #[inline]
-    pub(crate) fn see(&self, sample: &Stored, age: &Age<A>) -> Option<Projected<A>> {
-        let (config, panel) = (self.config, self.panel);
-        let (x, y, depth) = locate(panel, self.slots, sample)?;
-        let (mut lifetime, mut widths) = (A::Log::default(), [A::Width::default(); 2]);
-        if config.extents == Extents::Gradient || config.lifetime == Lifetime::Gradient {
-            let (et, wx, wy) = A::extents(self.tiles, panel, x, y);
-            (lifetime, widths) = (et, [wx, wy]);
-        }
-        match config.lifetime {
-            Lifetime::Constant(log) => lifetime = A::log(log),
-            Lifetime::Tiles => lifetime = A::lifetime(self.tiles, panel, x, y),
-            Lifetime::Gradient => {}
-        }
-        if let Extents::Constant(log) = config.extents {
-            widths = [A::width(log.into()); 2];
-        }
-        // A sample of a moving object may itself have moved behind something.
-        let moves = sample.slot > slot(0);
-        Some(Projected {
+    pub(crate) fn weigh(
+        &self,
+        sample: &Stored,
+        age: &Age<A>,
+        (x, y, depth): (A::Coord, A::Coord, A::Depth),
+    ) -> Projected<A> {
+        let lifetime = match self.config.lifetime {
+            Lifetime::Constant(log) => A::log(log),
+            Lifetime::Tiles => A::lifetime(self.tiles, self.panel, x, y),
+            Lifetime::Gradient => A::extents(self.tiles, self.panel, x, y).0,
+        };
+        Projected {
             x,
             y,
             depth,
-            weight: A::decline(config.kernel, age.log, lifetime),
-            widths,
-            reach: [age.reach[usize::from(moves)], age.reach[1]],
+            weight: A::decline(self.config.kernel, age.log, lifetime),
             rgb: sample.rgb,
-            moves,
-        })
+            // A sample of a moving object may itself have moved behind something.
+            past: age.past.moving(sample.slot > slot(0)),
+        }
     }
 }

@@ -81,6 +81,9 @@ pub fn blend(prior: Option<u16>, sum: u32, count: u32) -> u16 {
     let Some(prior) = prior else {
         return (sum / count.max(1)) as u16;
     };
+    if count == 0 {
+        return prior;
+    }
     // At most 2^16 lights in all (see MOST), whose mean is a light.
     let lights = count.saturating_add(PRIOR);
     (sum.wrapping_add(PRIOR * u32::from(prior)) / lights) as u16

@@ -4,6 +4,9 @@
 //! band of pixel rows, which one thread writes, from samples that may lie beyond it.
 
 use crate::arith::{ANCHOR_BITS, Arith, Moments, Panel, Projected, REACH, Sums};
+use crate::config::Extents;
+use crate::lanes::LANES;
+use crate::tiles::TileMap;
 use core::ops::Range;
 
 /// Sums over 5 pixels along rows, in place.
@@ -45,13 +48,45 @@ pub fn widths<A: Arith>(
     }
 }
 
+/// log2 of a side that no panel reaches: all pixels lie in one square.
+const WHOLE_BITS: u32 = 16;
+
 /// Where a sample's filter widths come from.
 #[derive(Clone, Copy, Debug)]
 pub enum Widths<'a, A: Arith> {
     /// The map of all pixels.
     Map(&'a [A::Width]),
-    /// The sample itself.
-    Own,
+    /// The same for all.
+    Constant(A::Width),
+    /// The gradients of the tiles.
+    Tiles(&'a TileMap<'a>),
+}
+
+impl<'a, A: Arith> Widths<'a, A> {
+    /// What `extents` asks for, from the map that [`widths`] makes or the tiles.
+    pub fn new(extents: Extents, map: &'a [A::Width], tiles: &'a TileMap<'a>) -> Self {
+        match extents {
+            Extents::Density => Self::Map(map),
+            Extents::Constant(log) => Self::Constant(A::width(log.into())),
+            Extents::Gradient => Self::Tiles(tiles),
+        }
+    }
+
+    /// The widths of a sample, in x and y.
+    #[inline]
+    pub fn of(&self, panel: &Panel, at: &Projected<A>) -> [A::Width; 2] {
+        match self {
+            Widths::Map(map) => {
+                let (x, y) = (A::pixel(panel, at.x), A::pixel(panel, at.y));
+                [map.get(panel.nearest(x, y)).copied().unwrap_or_default(); 2]
+            }
+            Widths::Constant(width) => [*width; 2],
+            Widths::Tiles(map) => {
+                let (_, wide, high) = A::extents(map, panel, at.x, at.y);
+                [wide, high]
+            }
+        }
+    }
 }
 
 /// What samples are scattered with.
@@ -110,51 +145,106 @@ impl<A: Arith> Filter<'_, A> {
         if y + REACH < band.start || y - REACH >= band.end {
             return;
         }
-        let [wide, high] = match self.widths {
-            Widths::Map(map) => [map.get(panel.nearest(x, y)).copied().unwrap_or_default(); 2],
-            Widths::Own => at.widths,
-        };
+        let [wide, high] = self.widths.of(panel, at);
         let down = A::taps(panel, high, at.y);
         let across = A::taps(panel, wide, at.x);
         let rows = (y + down.first).max(band.start)..(y + down.last + 1).min(band.end);
         let columns = (x + across.first).max(0)..(x + across.last + 1).min(i32::from(panel.width));
-        if rows.is_empty() || columns.is_empty() {
-            return;
-        }
         let light = |c: usize| A::light(self.light[usize::from(at.rgb[c])]);
         let light = [light(0), light(1), light(2)];
-        // A footprint seldom lies in more than one square.
-        for square_y in rows.start >> ANCHOR_BITS..=(rows.end - 1) >> ANCHOR_BITS {
-            for square_x in columns.start >> ANCHOR_BITS..=(columns.end - 1) >> ANCHOR_BITS {
-                let features = A::features(panel, light, (at.x, at.y), (square_x, square_y));
-                let rows = within(&rows, square_y);
-                let columns = within(&columns, square_x);
-                let taps = down.weights.get((rows.start - y + REACH) as usize..);
-                for (row, tap) in rows.zip(taps.unwrap_or(&[])) {
-                    let weight = A::times(at.weight, *tap);
-                    let line = (row - band.start) as usize * usize::from(panel.width);
-                    let pixels = line + columns.start as usize..line + columns.end as usize;
-                    let taps = across.weights.get((columns.start - x + REACH) as usize..);
-                    let taps = taps.unwrap_or(&[]).iter().map(|tap| A::times(weight, *tap));
-                    let sums = target.sums.get_mut(pixels.clone()).unwrap_or(&mut []);
-                    if PLANES {
-                        let moments = target.moments.get_mut(pixels).unwrap_or(&mut []);
-                        for ((sums, moments), weight) in sums.iter_mut().zip(moments).zip(taps) {
-                            A::add(sums, weight, &features);
-                            A::add_moments(moments, weight, &features);
-                        }
-                    } else {
-                        for (sums, weight) in sums.iter_mut().zip(taps) {
-                            A::add(sums, weight, &features);
-                        }
-                    }
+        // Places count from the anchor of a square; a footprint seldom lies in more than one.
+        let bits = if PLANES { ANCHOR_BITS } else { WHOLE_BITS };
+        let mut top = rows.start;
+        while top < rows.end {
+            let bottom = part_end(top, rows.end, bits);
+            let mut left = columns.start;
+            while left < columns.end {
+                let right = part_end(left, columns.end, bits);
+                let anchor = (left >> ANCHOR_BITS, top >> ANCHOR_BITS);
+                let share = Share {
+                    weight: at.weight,
+                    down: down.from(top - y),
+                    across: across.from(left - x),
+                    features: A::features(panel, light, (at.x, at.y), anchor),
+                };
+                let line = (top - band.start) as usize * usize::from(panel.width);
+                let place = Place {
+                    first: line + left as usize,
+                    rows: (bottom - top) as usize,
+                    stride: usize::from(panel.width),
+                };
+                match right - left {
+                    1 => share.add::<1, PLANES>(&place, target),
+                    2 => share.add::<2, PLANES>(&place, target),
+                    3 => share.add::<3, PLANES>(&place, target),
+                    4 => share.add::<4, PLANES>(&place, target),
+                    5 => share.add::<5, PLANES>(&place, target),
+                    6 => share.add::<6, PLANES>(&place, target),
+                    7 => share.add::<7, PLANES>(&place, target),
+                    _ => share.add::<LANES, PLANES>(&place, target),
+                }
+                left = right;
+            }
+            top = bottom;
+        }
+    }
+}
+
+/// Pixels of a band: some rows, as many columns as a [`Share::add`] is made for.
+struct Place {
+    /// Index of the first.
+    first: usize,
+    rows: usize,
+    /// Pixels between rows.
+    stride: usize,
+}
+
+/// What a sample adds to pixels of one square.
+struct Share<A: Arith> {
+    weight: A::Weight,
+    /// Taps from the first row on.
+    down: [A::Weight; LANES],
+    /// Taps from the first column on.
+    across: [A::Weight; LANES],
+    features: A::Features,
+}
+
+impl<A: Arith> Share<A> {
+    /// Adds it to `COLUMNS` pixels of each row: a number that the compiler knows, since a loop
+    /// over so few ends in a branch that no processor foresees.
+    #[inline]
+    fn add<const COLUMNS: usize, const PLANES: bool>(
+        &self,
+        place: &Place,
+        target: &mut Target<'_, A>,
+    ) {
+        for (row, tap) in self.down.iter().enumerate().take(place.rows) {
+            let weights = A::factors(A::times(self.weight, *tap), &self.across);
+            let first = place.first + row * place.stride;
+            if let Some(sums) = chunk::<_, COLUMNS>(target.sums, first) {
+                for (sums, weight) in sums.iter_mut().zip(weights) {
+                    A::add(sums, weight, &self.features);
+                }
+            }
+            if PLANES && let Some(moments) = chunk::<_, COLUMNS>(target.moments, first) {
+                for (moments, weight) in moments.iter_mut().zip(weights) {
+                    A::add_moments(moments, weight, &self.features);
                 }
             }
         }
     }
 }
 
-/// The part of a range of pixels in square `square`.
-fn within(range: &Range<i32>, square: i32) -> Range<i32> {
-    range.start.max(square << ANCHOR_BITS)..range.end.min((square + 1) << ANCHOR_BITS)
+/// `N` entries from `first` on.
+#[inline]
+fn chunk<T, const N: usize>(of: &mut [T], first: usize) -> Option<&mut [T; N]> {
+    of.get_mut(first..)?.first_chunk_mut()
+}
+
+/// Where the part of `start..end` ends that lies in one square of 2^`bits` pixels and is no longer
+/// than [`LANES`].
+#[inline]
+fn part_end(start: i32, end: i32, bits: u32) -> i32 {
+    end.min(((start >> bits) + 1) << bits)
+        .min(start + LANES as i32)
 }

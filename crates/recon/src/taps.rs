@@ -7,6 +7,7 @@
 //! interpolated, in all arithmetics, so that no rounding of a width decides between two filters.
 
 use crate::arith::REACH;
+use crate::lanes::{self, LANES};
 use crate::num::{exp2, exp2_negative};
 
 /// Fractional bits of pixel distances. A coordinate is rounded down to at most 7 bits, so it
@@ -14,6 +15,8 @@ use crate::num::{exp2, exp2_negative};
 pub const DISTANCE_BITS: u32 = 8;
 /// Pixels that a footprint can reach along an axis: its own and [`REACH`] on each side.
 pub const SPAN: usize = 2 * REACH as usize + 1;
+/// Entries kept for [`SPAN`] taps: [`LANES`] can be taken from any of them on.
+pub const PADDED: usize = SPAN + LANES - 1;
 /// Levels of width in the table.
 pub const LEVELS: usize = 15;
 /// log2 of the least σ of a density, 11 fractional bits: 0.347 px.
@@ -29,12 +32,24 @@ pub const FOOT: u32 = 364;
 /// Taps of one axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Taps<W> {
-    /// Of the pixels from [`REACH`] before the sample's own to [`REACH`] after it.
-    pub weights: [W; SPAN],
+    /// Of the pixels from [`REACH`] before the sample's own to [`REACH`] after it, then zeros.
+    pub weights: [W; PADDED],
     /// The first and the last that are not zero, from the own pixel.
     pub first: i32,
     /// See `first`.
     pub last: i32,
+}
+
+impl<W: Copy + Default> Taps<W> {
+    /// Taps from a pixel on, counted from the sample's own.
+    #[inline]
+    #[must_use]
+    pub fn from(&self, pixel: i32) -> [W; LANES] {
+        let rest = self.weights.get((pixel + REACH) as usize..);
+        rest.and_then(<[W]>::first_chunk)
+            .copied()
+            .unwrap_or_default()
+    }
 }
 
 /// 3 σ in units of a distance, at most [`REACH`] pixels.
@@ -54,7 +69,7 @@ pub const fn compute(width: i16, offset: i32) -> Taps<u16> {
     // log2(e)/2σ² with 12 fractional bits; log2 of log2(e)/2 is −965.
     let steepness = exp2(-965 - 2 * width as i32, 12);
     let mut taps = Taps {
-        weights: [0; SPAN],
+        weights: [0; PADDED],
         first: REACH,
         last: -REACH,
     };
@@ -82,20 +97,20 @@ pub const fn compute(width: i16, offset: i32) -> Taps<u16> {
 
 /// A row of the table: taps from 3 pixels before to 3 after, then the first and the last that are
 /// not zero, from 3 pixels before, in 4 bits each.
-pub type Row = [u16; 8];
+pub type Row = [u16; LANES];
 /// Places in a pixel that coordinates of 7 fractional bits tell apart.
 pub const PLACES: usize = 128;
 
 /// Taps of each level and each place in a pixel (the middles of 1/128 px).
 pub static TABLE: [[Row; PLACES]; LEVELS] = {
-    let mut table = [[[0; 8]; PLACES]; LEVELS];
+    let mut table = [[[0; LANES]; PLACES]; LEVELS];
     let mut level = 0;
     while level < LEVELS {
         let mut place = 0;
         while place < PLACES {
             let offset = 2 * place as i32 + 1 - PLACES as i32;
             let taps = compute(width(level), offset);
-            let mut row = [0; 8];
+            let mut row = [0; LANES];
             let mut i = 0;
             while i < 7 {
                 row[i] = taps.weights[i + REACH as usize - 3];
@@ -128,12 +143,12 @@ pub fn taps(width: i16, place: u32, bits: u32) -> Taps<u16> {
     if (0..=MOST - LEAST).contains(&above)
         && let (Some(narrow), Some(wide)) = (row(level), row(level + 1))
     {
-        let part = above as u32 & ((1 << STEP_BITS) - 1);
-        let mut weights = [0; SPAN];
-        for (tap, (a, b)) in weights[1..8].iter_mut().zip(narrow.iter().zip(wide)) {
-            // A wider filter's taps are nowhere smaller.
-            *tap = a + ((u32::from(b.saturating_sub(*a)) * part) >> STEP_BITS) as u16;
-        }
+        let part = above as u16 & ((1 << STEP_BITS) - 1);
+        // A wider filter's taps are nowhere smaller.
+        let mut taps = lanes::between(narrow, wide, part);
+        taps[LANES - 1] = 0;
+        let mut weights = [0; PADDED];
+        weights[1..SPAN].copy_from_slice(&taps);
         Taps {
             weights,
             first: i32::from(wide[7] & 15) - 3,

@@ -153,6 +153,30 @@ impl<'a> TileMap<'a> {
             .unwrap_or_default()
     }
 
+    /// Columns and rows of cells.
+    #[inline]
+    #[must_use]
+    pub fn size(&self) -> (usize, usize) {
+        (self.columns, self.rows)
+    }
+
+    /// A cell of the map, the next in its row, and the two below these; where there is no next,
+    /// the same again.
+    #[inline]
+    #[must_use]
+    pub fn corner(&self, column: usize, row: usize) -> [Cell; 4] {
+        let here = row * self.columns + column;
+        let right = usize::from(column + 1 < self.columns);
+        let below = usize::from(row + 1 < self.rows) * self.columns;
+        let cell = |at: usize| self.cells.get(at).copied().unwrap_or_default();
+        [
+            cell(here),
+            cell(here + right),
+            cell(here + below),
+            cell(here + below + right),
+        ]
+    }
+
     /// The four cells around, for bilinear interpolation.
     #[inline]
     #[must_use]

@@ -7,7 +7,7 @@ use unframed_recon::encode::ENCODED;
 use unframed_recon::fill::{self, pyramid_len};
 use unframed_recon::hidden::{self, minima_len};
 use unframed_recon::memory::Slot;
-use unframed_recon::motion::Motion;
+use unframed_recon::motion::{Motion, Past};
 use unframed_recon::splat::{self, Filter, Target, Widths};
 use unframed_recon::tables::SRGB_TO_LINEAR;
 use unframed_recon::tiles::{Cell, TileMap, cells_along};
@@ -94,7 +94,7 @@ impl Stages {
         let mut cells = vec![Cell::default(); cells_along(width) * cells_along(height)];
         let mut map = TileMap::new(&mut cells, width, height).expect("enough cells");
         let contents = contents(bytes, &mut map);
-        let mut projected = project(config, &panel, &map, &contents);
+        let (mut projected, own_widths) = project(config, &panel, &map, &contents);
         let pixels = panel.pixels();
         let pixel_of = |s: &Projected<Fixed>| {
             panel.nearest(Fixed::pixel(&panel, s.x), Fixed::pixel(&panel, s.y))
@@ -109,13 +109,15 @@ impl Stages {
             let mut limits = vec![0; pixels];
             let all = seen(&projected);
             let once = || std::iter::once(&all[..]);
-            hidden::nearest::<Fixed>(&panel, once(), 0, &mut minima[..pixels]);
+            let mut movers = vec![0; pixels];
+            hidden::survey::<Fixed>(&panel, once(), 0, &mut minima[..pixels], &mut movers);
             hidden::coarsen::<Fixed>(&panel, &mut minima);
             hidden::limits::<Fixed>(&panel, &minima, 0, &mut limits);
-            let mut movers = vec![0; pixels];
-            hidden::mark_movers::<Fixed>(&panel, once(), 0, &mut movers);
+            let reach = contents
+                .motion
+                .reach::<Fixed>(&contents.view.expect("a view"));
             for s in &mut projected {
-                if hidden::hides(&limits, &movers, pixel_of(s), s) {
+                if hidden::hides(&reach, &limits, &movers, pixel_of(s), s) {
                     s.weight = 0;
                 }
             }
@@ -130,11 +132,11 @@ impl Stages {
                 limits.iter().map(|v| u32::from(*v)).collect(),
             ));
         }
-        let words = |s: &Projected<Fixed>| {
-            let [wx, wy] = s.widths.map(|w| w as u16);
+        let words = |(s, widths): (&Projected<Fixed>, &[i16; 2])| {
+            let [wx, wy] = widths.map(|w| w as u16);
             [pair(s.x, s.y), pair(s.depth, s.weight), pair(wx, wy)]
         };
-        let words = projected.iter().flat_map(words).collect();
+        let words = projected.iter().zip(&own_widths).flat_map(words).collect();
         expected.insert(0, (Probe::Projected, words));
         let mut widths = Vec::new();
         if config.extents == Extents::Density {
@@ -159,10 +161,7 @@ impl Stages {
         let mut moments = vec![Moments::<Fixed>::default(); if planes { pixels } else { 0 }];
         let filter = Filter {
             panel: &panel,
-            widths: match config.extents {
-                Extents::Density => Widths::Map(&widths),
-                _ => Widths::Own,
-            },
+            widths: Widths::new(config.extents, &widths, &map),
             light,
         };
         let mut target = Target::<Fixed> {
@@ -210,15 +209,15 @@ impl Stages {
     }
 }
 
-/// The samples at the refresh instant, as `Display::project` makes them.
+/// The samples at the refresh instant, as `Display::project` makes them, and the widths that they
+/// have of themselves.
 fn project(
     config: &Config,
     panel: &Panel,
     map: &TileMap<'_>,
     contents: &Contents,
-) -> Vec<Projected<Fixed>> {
+) -> (Vec<Projected<Fixed>>, Vec<[i16; 2]>) {
     let view = contents.view.expect("a view");
-    let reach = contents.motion.reach::<Fixed>(&view);
     let of = |sample: &Stored| {
         let age = age(sample.time, contents.now)?;
         let pose = contents.slots[usize::from(sample.slot)].pose?;
@@ -235,17 +234,16 @@ fn project(
             Extents::Density if config.lifetime != Lifetime::Gradient => [0; 2],
             _ => [gradient.1, gradient.2],
         };
-        Some(Projected {
+        let projected = Projected {
             x,
             y,
             depth,
             weight: Fixed::decline(config.kernel, Fixed::log_of_age(age), lifetime),
-            widths,
-            reach: [reach.of(age, sample.slot > slot(0)), reach.of(age, true)],
             rgb: sample.rgb,
-            moves: sample.slot > slot(0),
-        })
+            past: Past::new(age, sample.slot > slot(0)),
+        };
+        Some((projected, widths))
     };
     let all = contents.samples.iter();
-    all.map(|s| of(s).unwrap_or_default()).collect()
+    all.map(|s| of(s).unwrap_or_default()).unzip()
 }
