@@ -238,6 +238,9 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
         anchor: (i32, i32),
     ) -> Self::Features;
 
+    /// A weight as a factor.
+    fn factor(weight: Self::Weight) -> Self::Factor;
+
     /// The products of a weight and of taps beside each other.
     fn factors(weight: Self::Weight, taps: &[Self::Weight; LANES]) -> [Self::Factor; LANES];
 

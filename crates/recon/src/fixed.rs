@@ -272,6 +272,11 @@ impl Arith for Fixed {
     }
 
     #[inline]
+    fn factor(weight: u16) -> Factor {
+        Factor::new(weight)
+    }
+
+    #[inline]
     fn factors(weight: u16, taps: &[u16; LANES]) -> [Factor; LANES] {
         lanes::factors(weight, taps)
     }

@@ -265,6 +265,10 @@ macro_rules! float_arith {
                 ]
             }
 
+            fn factor(weight: $float) -> $float {
+                weight
+            }
+
             fn factors(weight: $float, taps: &[$float; LANES]) -> [$float; LANES] {
                 taps.map(|tap| Self::times(weight, tap))
             }

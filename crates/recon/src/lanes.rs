@@ -7,6 +7,8 @@
 
 pub use imp::{Factor, Pair, between, factors};
 
+/// Whether code for each number of lanes in use is worth its size.
+pub const UNROLLS: bool = cfg!(target_arch = "x86_64");
 /// Narrow values that are worked on at a time.
 pub const LANES: usize = 8;
 
@@ -15,14 +17,23 @@ mod imp {
     use super::LANES;
     use safe_arch::{
         add_i16_m128i, add_i64_m128i, m128i, mul_i16_keep_low_m128i, mul_u16_keep_high_m128i,
-        mul_widen_u32_odd_m128i, set_splat_i16_m128i, shl_imm_u16_m128i, shr_imm_u16_m128i,
-        shuffle_ai_f32_all_m128i, sub_saturating_u16_m128i, unpack_high_i16_m128i,
-        unpack_low_i16_m128i, zeroed_m128i,
+        mul_widen_u32_odd_m128i, set_splat_i16_m128i, set_splat_i64_m128i, shl_imm_u16_m128i,
+        shr_imm_u16_m128i, shuffle_ai_f32_all_m128i, sub_saturating_u16_m128i,
+        unpack_high_i16_m128i, unpack_low_i16_m128i, zeroed_m128i,
     };
 
     /// A weight in both lanes.
     #[derive(Clone, Copy, Debug)]
     pub struct Factor(m128i);
+
+    impl Factor {
+        /// Of a weight.
+        #[inline]
+        #[must_use]
+        pub fn new(weight: u16) -> Self {
+            Self(set_splat_i64_m128i(weight.into()))
+        }
+    }
 
     /// The products of a weight, at most 1, and of taps below 1, with 15 fractional bits each,
     /// rounded.
@@ -93,6 +104,15 @@ mod imp {
     #[derive(Clone, Copy, Debug)]
     pub struct Factor(u16);
 
+    impl Factor {
+        /// Of a weight.
+        #[inline]
+        #[must_use]
+        pub fn new(weight: u16) -> Self {
+            Self(weight)
+        }
+    }
+
     /// The products of a weight, at most 1, and of taps below 1, with 15 fractional bits each,
     /// rounded.
     #[inline]
@@ -147,10 +167,13 @@ mod tests {
             for (factor, tap) in factors(weight, &taps).into_iter().zip(taps) {
                 let mut got = sums;
                 Pair::new(a, b).add_to(factor, &mut got);
-                let factor = (u64::from(weight) * u64::from(tap) + (1 << 14)) >> 15;
-                let product = |v: u32| (u64::from(v) * factor) as i64;
+                let weight = (u64::from(weight) * u64::from(tap) + (1 << 14)) >> 15;
+                let product = |v: u32| (u64::from(v) * weight) as i64;
                 prop_assert_eq!(got[0], sums[0].wrapping_add(product(a)));
                 prop_assert_eq!(got[1], sums[1].wrapping_add(product(b)));
+                let mut same = sums;
+                Pair::new(a, b).add_to(Factor::new(weight as u16), &mut same);
+                prop_assert_eq!(same, got);
             }
         }
 

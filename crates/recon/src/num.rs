@@ -120,7 +120,8 @@ pub const fn exp2(v: i32, bits: i32) -> u32 {
 #[derive(Clone, Copy, Debug)]
 pub struct Divider {
     reciprocal: u32,
-    exponent: i32,
+    /// Leading zeros of the divisor.
+    zeros: i32,
 }
 
 impl Divider {
@@ -131,7 +132,7 @@ impl Divider {
         let divisor = if divisor == 0 { 1 } else { divisor };
         Self {
             reciprocal: reciprocal(normalise(divisor)),
-            exponent: exponent(divisor),
+            zeros: divisor.leading_zeros() as i32,
         }
     }
 
@@ -142,19 +143,16 @@ impl Divider {
     #[must_use]
     pub const fn ratio(self, v: i64, bits: i32) -> i32 {
         let magnitude = v.unsigned_abs();
-        let by = self.exponent + 1 + bits - 32;
-        let narrow = if by >= 64 {
-            0
-        } else if by >= 0 {
-            magnitude >> by
+        // The upper half of the magnitude shifted as the divisor is, less `bits`; seldom right.
+        let up = self.zeros - bits;
+        let narrow = if up < 0 {
+            if up > -32 { magnitude >> (32 - up) } else { 0 }
+        } else if magnitude.leading_zeros() < (if up < 64 { up as u32 } else { 64 }) {
+            u32::MAX as u64
         } else {
-            magnitude << if -by > 63 { 63 } else { -by }
+            (magnitude << (up & 63)) >> 32
         };
-        let narrow = if narrow > u32::MAX as u64 {
-            u32::MAX
-        } else {
-            narrow as u32
-        };
+        let narrow = narrow as u32;
         let quotient = mul_hi(narrow, self.reciprocal);
         let quotient = if quotient > i32::MAX as u32 {
             i32::MAX

@@ -124,9 +124,14 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
                 for sample in samples.iter_mut().flat_map(|samples| samples.iter_mut()) {
                     let pixel =
                         panel.nearest(A::pixel(&panel, sample.x), A::pixel(&panel, sample.y));
-                    if config.hidden && hidden::hides(reach, limits, movers, pixel, sample) {
-                        sample.weight = A::Weight::default();
-                    }
+                    let hidden =
+                        config.hidden && hidden::hides(reach, limits, movers, pixel, sample);
+                    // Stored either way: which samples are hidden nobody foresees.
+                    sample.weight = if hidden {
+                        A::Weight::default()
+                    } else {
+                        sample.weight
+                    };
                     if let Some(mass) = pixel.checked_sub(first).and_then(|own| mass.get_mut(own)) {
                         A::gather(mass, sample.weight);
                     }

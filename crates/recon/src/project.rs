@@ -7,6 +7,7 @@ use crate::deep::{Placing, Stored, age, slot};
 use crate::memory::Slot;
 use crate::motion::Past;
 use crate::tiles::TileMap;
+use crate::workers::take;
 use unframed_wire::Tick;
 
 /// What a refresh knows of its instant.
@@ -33,7 +34,7 @@ pub(crate) struct Age<A: Arith> {
 
 /// Samples whose places are found before any is weighed: loops that do one thing each, over what
 /// the processor keeps close.
-const BLOCK: usize = 32;
+const BLOCK: usize = 16;
 
 /// Where a sample is seen now: place and depth; `None` where it is out of sight.
 #[inline]
@@ -78,32 +79,33 @@ impl<A: Arith> Instant<'_, A> {
         starts.fill(0);
         let mut len = 0;
         let mut places = [(<_>::default(), <_>::default(), <_>::default(), 0); BLOCK];
-        // Samples of a packet share their time.
-        let alike = |a: &Stored, b: &Stored| (a.time, a.placing) == (b.time, b.placing);
-        for packet in samples.chunk_by_mut(alike) {
-            let Some(age) = packet.first().and_then(|sample| self.age(sample.time)) else {
-                for sample in packet {
+        let mut rest = samples;
+        while let Some(&Stored { time, placing, .. }) = rest.first() {
+            // Samples of a packet share their time.
+            let alike = |sample: &&Stored| (sample.time, sample.placing) == (time, placing);
+            let run = rest.iter().take(BLOCK).take_while(alike).count();
+            let block = take(&mut rest, run);
+            let Some(age) = self.age(time) else {
+                for sample in block {
                     sample.placing = Placing::Empty;
                 }
                 continue;
             };
-            for block in packet.chunks(BLOCK) {
-                let seen = self.places(block, &mut places);
-                for (x, y, depth, index) in places.iter().take(seen) {
-                    let Some(sample) = block.get(*index) else {
-                        continue;
-                    };
-                    let seen = self.weigh(sample, &age, (*x, *y, *depth));
-                    // Written whether it counts or not: half a chance is more than a branch that
-                    // is not foreseen costs.
-                    let counts = A::counts(seen.weight);
-                    if let Some(place) = projected.get_mut(len) {
-                        *place = seen;
-                        len += usize::from(counts);
-                    }
-                    if let Some(count) = starts.get_mut(grid.tile(self.panel, &seen) + 1) {
-                        *count += u32::from(counts);
-                    }
+            let seen = self.places(placing, block, &mut places);
+            for (x, y, depth, index) in places.iter().take(seen) {
+                let Some(sample) = block.get(*index) else {
+                    continue;
+                };
+                let seen = self.weigh(sample, &age, (*x, *y, *depth));
+                // Written whether it counts or not: half a chance is more than a branch that is
+                // not foreseen costs.
+                let counts = A::counts(seen.weight);
+                if let Some(place) = projected.get_mut(len) {
+                    *place = seen;
+                    len += usize::from(counts);
+                }
+                if let Some(count) = starts.get_mut(grid.tile(self.panel, &seen) + 1) {
+                    *count += u32::from(counts);
                 }
             }
         }
@@ -111,15 +113,12 @@ impl<A: Arith> Instant<'_, A> {
         len
     }
 
-    /// Where the samples in sight of a block, whose placing is the same, are seen, with their
+    /// Where the samples in sight of a block, all placed in the same way, are seen, with their
     /// indices; returns their number.
-    fn places(&self, block: &[Stored], places: &mut [Seen<A>; BLOCK]) -> usize {
+    fn places(&self, placing: Placing, block: &[Stored], places: &mut [Seen<A>; BLOCK]) -> usize {
         let mut len = 0;
-        let mut sights = [(A::Sight::default(), 0); BLOCK];
-        if block
-            .first()
-            .is_some_and(|sample| sample.placing == Placing::Lattice)
-        {
+        if placing == Placing::Lattice {
+            let mut sights = [(A::Sight::default(), 0); BLOCK];
             for (index, sample) in block.iter().enumerate() {
                 let slot = self.slots.get(usize::from(sample.slot));
                 if let Some(transform) = slot.and_then(|slot| slot.transform.as_ref())

@@ -5,7 +5,8 @@
 
 use crate::arith::{ANCHOR_BITS, Arith, Moments, Panel, Projected, REACH, Sums};
 use crate::config::Extents;
-use crate::lanes::LANES;
+use crate::lanes::{LANES, UNROLLS};
+use crate::taps::Taps;
 use crate::tiles::TileMap;
 use core::ops::Range;
 
@@ -81,12 +82,16 @@ impl<'a, A: Arith> Widths<'a, A> {
                 [map.get(panel.nearest(x, y)).copied().unwrap_or_default(); 2]
             }
             Widths::Constant(width) => [*width; 2],
-            Widths::Tiles(map) => {
-                let (_, wide, high) = A::extents(map, panel, at.x, at.y);
-                [wide, high]
-            }
+            Widths::Tiles(map) => gradient_widths(map, panel, at),
         }
     }
+}
+
+/// The widths that the gradients at a sample's place ask for.
+#[inline(never)]
+fn gradient_widths<A: Arith>(map: &TileMap<'_>, panel: &Panel, at: &Projected<A>) -> [A::Width; 2] {
+    let (_, wide, high) = A::extents(map, panel, at.x, at.y);
+    [wide, high]
 }
 
 /// What samples are scattered with.
@@ -148,41 +153,99 @@ impl<A: Arith> Filter<'_, A> {
         let [wide, high] = self.widths.of(panel, at);
         let down = A::taps(panel, high, at.y);
         let across = A::taps(panel, wide, at.x);
-        let rows = (y + down.first).max(band.start)..(y + down.last + 1).min(band.end);
-        let columns = (x + across.first).max(0)..(x + across.last + 1).min(i32::from(panel.width));
-        let light = |c: usize| A::light(self.light[usize::from(at.rgb[c])]);
-        let light = [light(0), light(1), light(2)];
-        // Places count from the anchor of a square; a footprint seldom lies in more than one.
+        let footprint = Footprint {
+            at,
+            pixel: (x, y),
+            light: at.rgb.map(|code| A::light(self.light[usize::from(code)])),
+            down: &down,
+            across: &across,
+        };
+        let rows = y + footprint.down.first..y + footprint.down.last + 1;
+        let columns = x + footprint.across.first..x + footprint.across.last + 1;
+        // Places count from the anchor of a square.
         let bits = if PLANES { ANCHOR_BITS } else { WHOLE_BITS };
+        let whole = rows.start >= band.start
+            && rows.end <= band.end
+            && columns.start >= 0
+            && columns.end <= i32::from(panel.width)
+            && part_end(rows.start, rows.end, bits) == rows.end
+            && part_end(columns.start, columns.end, bits) == columns.end;
+        if whole {
+            footprint.add::<PLANES>(panel, rows, columns, target);
+            return;
+        }
+        footprint.add_parts::<PLANES>(panel, rows, columns, target);
+    }
+}
+
+/// The pixels that a sample adds to, and what.
+struct Footprint<'a, A: Arith> {
+    at: &'a Projected<A>,
+    /// The sample's own.
+    pixel: (i32, i32),
+    light: [A::Light; 3],
+    down: &'a Taps<A::Weight>,
+    across: &'a Taps<A::Weight>,
+}
+
+impl<A: Arith> Footprint<'_, A> {
+    /// Adds the sample's share to pixels of the band that lie in one square, at most [`LANES`] each
+    /// way.
+    #[inline(always)]
+    fn add<const PLANES: bool>(
+        &self,
+        panel: &Panel,
+        rows: Range<i32>,
+        columns: Range<i32>,
+        target: &mut Target<'_, A>,
+    ) {
+        let width = usize::from(panel.width);
+        let (x, y) = self.pixel;
+        let anchor = (columns.start >> ANCHOR_BITS, rows.start >> ANCHOR_BITS);
+        let share = Share {
+            weight: self.at.weight,
+            across: self.across.from(columns.start - x),
+            features: A::features(panel, self.light, (self.at.x, self.at.y), anchor),
+        };
+        let down = self.down.from(rows.start - y);
+        let down = down.get(..rows.len()).unwrap_or_default();
+        let line = (rows.start - target.lines.start as i32) as usize * width;
+        let first = line + columns.start as usize;
+        // Loops over so few end in a branch that no processor foresees: where code is cheap, there
+        // is one without a loop for each number of columns.
+        match columns.len() {
+            columns if !UNROLLS => share.add_some::<PLANES>(down, first, width, columns, target),
+            1 => share.add::<1, PLANES>(down, first, width, target),
+            2 => share.add::<2, PLANES>(down, first, width, target),
+            3 => share.add::<3, PLANES>(down, first, width, target),
+            4 => share.add::<4, PLANES>(down, first, width, target),
+            5 => share.add::<5, PLANES>(down, first, width, target),
+            6 => share.add::<6, PLANES>(down, first, width, target),
+            7 => share.add::<7, PLANES>(down, first, width, target),
+            _ => share.add::<LANES, PLANES>(down, first, width, target),
+        }
+    }
+
+    /// The same for any pixels: those of the band, square by square. Seldom called.
+    #[inline(never)]
+    fn add_parts<const PLANES: bool>(
+        &self,
+        panel: &Panel,
+        rows: Range<i32>,
+        columns: Range<i32>,
+        target: &mut Target<'_, A>,
+    ) {
+        let bits = if PLANES { ANCHOR_BITS } else { WHOLE_BITS };
+        let (start, end) = (target.lines.start as i32, target.lines.end as i32);
+        let rows = rows.start.max(start)..rows.end.min(end);
+        let columns = columns.start.max(0)..columns.end.min(i32::from(panel.width));
         let mut top = rows.start;
         while top < rows.end {
             let bottom = part_end(top, rows.end, bits);
             let mut left = columns.start;
             while left < columns.end {
                 let right = part_end(left, columns.end, bits);
-                let anchor = (left >> ANCHOR_BITS, top >> ANCHOR_BITS);
-                let share = Share {
-                    weight: at.weight,
-                    down: down.from(top - y),
-                    across: across.from(left - x),
-                    features: A::features(panel, light, (at.x, at.y), anchor),
-                };
-                let line = (top - band.start) as usize * usize::from(panel.width);
-                let place = Place {
-                    first: line + left as usize,
-                    rows: (bottom - top) as usize,
-                    stride: usize::from(panel.width),
-                };
-                match right - left {
-                    1 => share.add::<1, PLANES>(&place, target),
-                    2 => share.add::<2, PLANES>(&place, target),
-                    3 => share.add::<3, PLANES>(&place, target),
-                    4 => share.add::<4, PLANES>(&place, target),
-                    5 => share.add::<5, PLANES>(&place, target),
-                    6 => share.add::<6, PLANES>(&place, target),
-                    7 => share.add::<7, PLANES>(&place, target),
-                    _ => share.add::<LANES, PLANES>(&place, target),
-                }
+                self.add::<PLANES>(panel, top..bottom, left..right, target);
                 left = right;
             }
             top = bottom;
@@ -190,37 +253,27 @@ impl<A: Arith> Filter<'_, A> {
     }
 }
 
-/// Pixels of a band: some rows, as many columns as a [`Share::add`] is made for.
-struct Place {
-    /// Index of the first.
-    first: usize,
-    rows: usize,
-    /// Pixels between rows.
-    stride: usize,
-}
-
 /// What a sample adds to pixels of one square.
 struct Share<A: Arith> {
     weight: A::Weight,
-    /// Taps from the first row on.
-    down: [A::Weight; LANES],
     /// Taps from the first column on.
     across: [A::Weight; LANES],
     features: A::Features,
 }
 
 impl<A: Arith> Share<A> {
-    /// Adds it to `COLUMNS` pixels of each row: a number that the compiler knows, since a loop
-    /// over so few ends in a branch that no processor foresees.
+    /// Adds it to `COLUMNS` pixels of a row for each tap `down`, from pixel `first` on, rows being
+    /// `width` apart.
     #[inline]
     fn add<const COLUMNS: usize, const PLANES: bool>(
         &self,
-        place: &Place,
+        down: &[A::Weight],
+        mut first: usize,
+        width: usize,
         target: &mut Target<'_, A>,
     ) {
-        for (row, tap) in self.down.iter().enumerate().take(place.rows) {
+        for tap in down {
             let weights = A::factors(A::times(self.weight, *tap), &self.across);
-            let first = place.first + row * place.stride;
             if let Some(sums) = chunk::<_, COLUMNS>(target.sums, first) {
                 for (sums, weight) in sums.iter_mut().zip(weights) {
                     A::add(sums, weight, &self.features);
@@ -231,6 +284,37 @@ impl<A: Arith> Share<A> {
                     A::add_moments(moments, weight, &self.features);
                 }
             }
+            first += width;
+        }
+    }
+
+    /// The same to any number of pixels, at most [`LANES`], of a row.
+    #[inline]
+    fn add_some<const PLANES: bool>(
+        &self,
+        down: &[A::Weight],
+        mut first: usize,
+        width: usize,
+        columns: usize,
+        target: &mut Target<'_, A>,
+    ) {
+        for tap in down {
+            let weight = A::times(self.weight, *tap);
+            let weights = self.across.iter().map(|tap| A::times(weight, *tap));
+            let pixels = first..first + columns;
+            let sums = target.sums.get_mut(pixels.clone()).unwrap_or_default();
+            if PLANES {
+                let moments = target.moments.get_mut(pixels).unwrap_or_default();
+                for ((sums, moments), weight) in sums.iter_mut().zip(moments).zip(weights) {
+                    A::add(sums, A::factor(weight), &self.features);
+                    A::add_moments(moments, A::factor(weight), &self.features);
+                }
+            } else {
+                for (sums, weight) in sums.iter_mut().zip(weights) {
+                    A::add(sums, A::factor(weight), &self.features);
+                }
+            }
+            first += width;
         }
     }
 }

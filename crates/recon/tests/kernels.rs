@@ -5,7 +5,6 @@ use proptest::prelude::*;
 use std::sync::Mutex;
 use unframed_recon::arith::{Moments, Sums, Texel};
 use unframed_recon::config::TimeKernel;
-use unframed_recon::lanes::LANES;
 use unframed_recon::tiles::{Cell, TileMap, cells_along};
 use unframed_recon::transform::Transform;
 use unframed_recon::{Arith, Fixed, Panel};
@@ -46,7 +45,7 @@ fn shares() -> impl Strategy<Value = Vec<Share>> {
         (78u16 - 3) * 128..(78 + 4) * 128,
         (28u16 - 3) * 128..(28 + 4) * 128,
     ];
-    prop::collection::vec((place, 1u16..32768, any::<[u16; 3]>()), 1..12)
+    prop::collection::vec((place, 1u16..=32768, any::<[u16; 3]>()), 1..12)
 }
 
 /// Sums and centred moments of shares.
@@ -60,7 +59,7 @@ fn summed<A: Arith>(
     for (at, share, light) in shares {
         let at = (coordinate(at[0]), coordinate(at[1]));
         let features = A::features(&panel(), light.map(A::light), at, square);
-        let [factor, ..] = A::factors(weight(1 << 15), &[weight(*share); LANES]);
+        let factor = A::factor(weight(*share));
         A::add(&mut sums, factor, &features);
         A::add_moments(&mut moments, factor, &features);
     }
