@@ -147,10 +147,17 @@ impl Divider {
         let up = self.zeros - bits;
         let narrow = if up < 0 {
             if up > -32 { magnitude >> (32 - up) } else { 0 }
-        } else if magnitude.leading_zeros() < (if up < 64 { up as u32 } else { 64 }) {
-            u32::MAX as u64
         } else {
-            (magnitude << (up & 63)) >> 32
+            let beyond = if up < 64 {
+                magnitude >> 1 >> (63 - up)
+            } else {
+                magnitude
+            };
+            if beyond == 0 {
+                (magnitude << (up & 63)) >> 32
+            } else {
+                u32::MAX as u64
+            }
         };
         let narrow = narrow as u32;
         let quotient = mul_hi(narrow, self.reciprocal);

@@ -9,6 +9,7 @@ use crate::project::Instant;
 use crate::splat::{Filter, Target, Widths};
 use crate::workers::{MAX_PARTS, Parts, Workers, take};
 use crate::{hidden, solve, splat};
+use core::hint::select_unpredictable;
 use core::ops::Range;
 use unframed_wire::Tick;
 
@@ -126,12 +127,9 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
                         panel.nearest(A::pixel(&panel, sample.x), A::pixel(&panel, sample.y));
                     let hidden =
                         config.hidden && hidden::hides(reach, limits, movers, pixel, sample);
-                    // Stored either way: which samples are hidden nobody foresees.
-                    sample.weight = if hidden {
-                        A::Weight::default()
-                    } else {
-                        sample.weight
-                    };
+                    // Stored either way: which samples are hidden no processor foresees.
+                    sample.weight =
+                        select_unpredictable(hidden, A::Weight::default(), sample.weight);
                     if let Some(mass) = pixel.checked_sub(first).and_then(|own| mass.get_mut(own)) {
                         A::gather(mass, sample.weight);
                     }

@@ -202,12 +202,17 @@ impl<A: Arith> Footprint<'_, A> {
         let width = usize::from(panel.width);
         let (x, y) = self.pixel;
         let anchor = (columns.start >> ANCHOR_BITS, rows.start >> ANCHOR_BITS);
+        let (Some(down), Some(across)) = (
+            self.down.from(rows.start - y),
+            self.across.from(columns.start - x),
+        ) else {
+            return;
+        };
         let share = Share {
             weight: self.at.weight,
-            across: self.across.from(columns.start - x),
+            across,
             features: A::features(panel, self.light, (self.at.x, self.at.y), anchor),
         };
-        let down = self.down.from(rows.start - y);
         let down = down.get(..rows.len()).unwrap_or_default();
         let line = (rows.start - target.lines.start as i32) as usize * width;
         let first = line + columns.start as usize;
@@ -254,14 +259,14 @@ impl<A: Arith> Footprint<'_, A> {
 }
 
 /// What a sample adds to pixels of one square.
-struct Share<A: Arith> {
+struct Share<'a, A: Arith> {
     weight: A::Weight,
     /// Taps from the first column on.
-    across: [A::Weight; LANES],
+    across: &'a [A::Weight; LANES],
     features: A::Features,
 }
 
-impl<A: Arith> Share<A> {
+impl<A: Arith> Share<'_, A> {
     /// Adds it to `COLUMNS` pixels of a row for each tap `down`, from pixel `first` on, rows being
     /// `width` apart.
     #[inline]
@@ -273,7 +278,7 @@ impl<A: Arith> Share<A> {
         target: &mut Target<'_, A>,
     ) {
         for tap in down {
-            let weights = A::factors(A::times(self.weight, *tap), &self.across);
+            let weights = A::factors(A::times(self.weight, *tap), self.across);
             if let Some(sums) = chunk::<_, COLUMNS>(target.sums, first) {
                 for (sums, weight) in sums.iter_mut().zip(weights) {
                     A::add(sums, weight, &self.features);

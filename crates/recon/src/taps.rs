@@ -40,15 +40,12 @@ pub struct Taps<W> {
     pub last: i32,
 }
 
-impl<W: Copy + Default> Taps<W> {
-    /// Taps from a pixel on, counted from the sample's own.
+impl<W> Taps<W> {
+    /// Taps from a pixel within the reach on, counted from the sample's own.
     #[inline]
     #[must_use]
-    pub fn from(&self, pixel: i32) -> [W; LANES] {
-        let rest = self.weights.get((pixel + REACH) as usize..);
-        rest.and_then(<[W]>::first_chunk)
-            .copied()
-            .unwrap_or_default()
+    pub fn from(&self, pixel: i32) -> Option<&[W; LANES]> {
+        self.weights.get((pixel + REACH) as usize..)?.first_chunk()
     }
 }
 
