@@ -11,6 +11,7 @@ use core::marker::PhantomData;
 use crate::arith::{Arith, Moments, Panel, REACH, Sums, Texel};
 use crate::config::TimeKernel;
 use crate::float::FloatTransform;
+use crate::lanes::LANES;
 use crate::taps::{self, Taps};
 use crate::tiles::TileMap;
 use unframed_wire::{Pose, View};
@@ -87,9 +88,11 @@ impl<B: Bits> Arith for Rounded<B> {
     type Width = f64;
     type Sum = f64;
     type Features = <f64 as Arith>::Features;
+    type Factor = f64;
     type Light = f64;
     type Confidence = f64;
     type Transform = FloatTransform<f64>;
+    type Sight = <f64 as Arith>::Sight;
 
     const FAR: f64 = f64::INFINITY;
 
@@ -97,14 +100,14 @@ impl<B: Bits> Arith for Rounded<B> {
         f64::compose(view, pose)
     }
 
-    fn project(
-        transform: &Self::Transform,
-        panel: &Panel,
-        place: [i16; 3],
-    ) -> Option<(f64, f64, f64)> {
-        let (x, y, depth) = f64::project(transform, panel, place)?;
+    fn sight(transform: &Self::Transform, panel: &Panel, place: [i16; 3]) -> (Self::Sight, bool) {
+        f64::sight(transform, panel, place)
+    }
+
+    fn seen(panel: &Panel, sight: &Self::Sight) -> (f64, f64, f64) {
+        let (x, y, depth) = f64::seen(panel, sight);
         let [x, y] = [x, y].map(|v| middle(v, B::PLACE));
-        Some((x, y, libm::floor(depth * one(B::DEPTH)) / one(B::DEPTH)))
+        (x, y, libm::floor(depth * one(B::DEPTH)) / one(B::DEPTH))
     }
 
     fn from_sixteenths(panel: &Panel, v: u16) -> f64 {
@@ -177,7 +180,7 @@ impl<B: Bits> Arith for Rounded<B> {
             cut(width, v, B::CUT)
         };
         (taps.first, taps.last) = (REACH, -REACH);
-        for (weight, pixel) in taps.weights.iter_mut().zip(-REACH..) {
+        for (weight, pixel) in taps.weights[..taps::SPAN].iter_mut().zip(-REACH..) {
             *weight = round(*weight, B::WEIGHT);
             if *weight > 0.0 {
                 taps.first = taps.first.min(pixel);
@@ -202,6 +205,14 @@ impl<B: Bits> Arith for Rounded<B> {
         anchor: (i32, i32),
     ) -> Self::Features {
         f64::features(panel, light, at, anchor)
+    }
+
+    fn factor(weight: f64) -> f64 {
+        weight
+    }
+
+    fn factors(weight: f64, taps: &[f64; LANES]) -> [f64; LANES] {
+        taps.map(|tap| Self::times(weight, tap))
     }
 
     fn add(sums: &mut Sums<Self>, weight: f64, features: &Self::Features) {
@@ -242,8 +253,8 @@ fn cut(width: f64, v: f64, cut: f64) -> Taps<f64> {
     let from_middle = v - libm::floor(v) - 0.5;
     let sigma = libm::exp2(width);
     let foot = libm::exp(-0.5 * cut * cut);
-    let mut weights = [0.0; taps::SPAN];
-    for (weight, pixel) in weights.iter_mut().zip(-REACH..) {
+    let mut weights = [0.0; taps::PADDED];
+    for (weight, pixel) in weights[..taps::SPAN].iter_mut().zip(-REACH..) {
         let d = (from_middle - f64::from(pixel)).abs();
         if d < cut * sigma && d < f64::from(REACH) {
             *weight = libm::exp(-0.5 * (d / sigma) * (d / sigma)) - foot;
