@@ -325,11 +325,11 @@ pub fn sweeps() -> Vec<Planned> {
         change(&mut knobs.detail);
         knobs
     };
-    let places = [16, 14, 12, 11, 10].map(|bits| detail(&|d| d.place_bits = bits));
+    let places = [16, 12, 10].map(|bits| detail(&|d| d.place_bits = bits));
     add("wire: bits of places", &places);
-    let colours = [8, 7, 6, 5, 4].map(|bits| detail(&|d| d.colour_bits = bits));
+    let colours = [8, 6, 4].map(|bits| detail(&|d| d.colour_bits = bits));
     add("wire: bits of colours", &colours);
-    let tilings = [1, 2, 4, 8].map(|every| detail(&|d| d.tiles_every = every));
+    let tilings = [1, 2, 8].map(|every| detail(&|d| d.tiles_every = every));
     add("wire: refreshes a tiling", &tilings);
     let memory = |memory| Knobs { memory, ..middle };
     add(

@@ -47,6 +47,10 @@ use tiles::{Grid, Tile};
 /// fifth to warp, stays in the cache, and steers as well.
 const SIDE: u32 = 2;
 
+/// Of the second looks, those that are taken while nothing is seen to move: they teach a mean
+/// nothing, and of those that graze an edge some end a rest.
+const RESTING_LOOKS: f32 = 0.25;
+
 /// The adaptive sampler of an image of fixed size.
 #[derive(Clone, Debug)]
 pub struct Adaptive {
@@ -60,6 +64,8 @@ pub struct Adaptive {
     projection: Projection,
     /// Whether nothing moved since that projection.
     still: bool,
+    /// Share of an epoch's shots that look again at a place seen before.
+    look_share: f32,
     /// Objects seen so far, in the order of their first samples.
     objects: Vec<u8>,
     tiles: Vec<Tile>,
@@ -154,6 +160,7 @@ impl Adaptive {
             lifetimes,
             projection: Projection::new(f64::NAN),
             still: false,
+            look_share: config.verify_share,
             objects: Vec::new(),
             tiles: vec![Tile::default(); grid.len()],
             errors: vec![0.0; grid.len()],
@@ -227,10 +234,12 @@ impl Sampler for Adaptive {
     fn epoch(&mut self, span: Span, eye: &dyn Eye, out: &mut Vec<Shot>) {
         let clock = std::time::Instant::now;
         let begin = clock();
-        let looks = span.shots as f64 * f64::from(self.config.verify_share);
-        self.alarm.set_rate(looks / span.length());
         let middle = 0.5 * (span.t0 + span.t1);
         self.still = self.stands_still(middle, eye);
+        let rests = self.still && !self.objects.is_empty();
+        self.look_share = self.config.verify_share * if rests { RESTING_LOOKS } else { 1.0 };
+        let looks = span.shots as f64 * f64::from(self.look_share);
+        self.alarm.set_rate(looks / span.length());
         if self.is_due(middle, eye) {
             self.warp(middle, eye);
         }

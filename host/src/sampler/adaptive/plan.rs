@@ -56,7 +56,7 @@ impl Adaptive {
             if at >= count {
                 at -= count;
             }
-            let again = self.random.unit() < self.config.verify_share;
+            let again = self.random.unit() < self.look_share;
             let (place, front) = self.aim(tile, again);
             let place = within(place * SIDE as f32, self.image);
             let time = span.instant(first + i);

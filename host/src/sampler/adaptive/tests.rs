@@ -144,6 +144,13 @@ fn a_still_scene_rests_without_a_break() {
         assert_eq!(awake, 0, "tiles awake after {from} s");
         assert!(sampler.still);
     }
+    // A fortieth of the shots looks again, so that the others teach the means.
+    let before = sampler.stats();
+    work(&mut sampler, &stage, 1.5, 0.5);
+    let after = sampler.stats();
+    let looks = after.verifications - before.verifications;
+    let share = looks as f64 / (after.shots - before.shots) as f64;
+    assert!((0.02..0.03).contains(&share), "{share}");
 }
 
 #[test]
