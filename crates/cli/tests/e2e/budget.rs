@@ -90,7 +90,7 @@ fn what_the_solver_promises_a_board_counts() {
     for (scene, budget, binds) in [
         (
             "interactive",
-            "cortex-m7@2GHz link=20Mbit/s ram=700KiB 72x56@60Hz",
+            "cortex-m7@2GHz link=20Mbit/s ram=600KiB 72x56@60Hz",
             "RAM",
         ),
         (
