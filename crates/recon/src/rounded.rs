@@ -46,8 +46,8 @@ impl Bits for Deployed {}
 pub struct Rounded<B: Bits>(PhantomData<B>);
 
 /// One with so many fractional bits.
-fn one(bits: u32) -> f64 {
-    libm::exp2(f64::from(bits))
+const fn one(bits: u32) -> f64 {
+    (1u64 << bits) as f64
 }
 
 /// To the nearest multiple of 2^−bits.

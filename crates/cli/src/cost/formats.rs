@@ -57,16 +57,11 @@ macro_rules! formats {
 }
 
 formats! {
-    "bits of screen places": Place4 "4 bits" PLACE = 4, Place3 "3 bits" PLACE = 3,
-        Place2 "2 bits" PLACE = 2;
-    "bits of weights": Weight10 "10 bits" WEIGHT = 10, Weight8 "8 bits" WEIGHT = 8,
-        Weight6 "6 bits" WEIGHT = 6;
-    "bits of light": Light10 "10 bits" LIGHT = 10, Light8 "8 bits" LIGHT = 8;
-    "bits of depths": Depth6 "6 bits an octave" DEPTH = 6, Depth4 "4 bits an octave" DEPTH = 4;
-    "steps of filter widths": Width3 "1/8 octave" WIDTH = 3, Width1 "1/2 octave" WIDTH = 1,
-        Width0 "an octave" WIDTH = 0;
-    "steps of ages": Age4 "1/16 octave" AGE = 4, Age1 "1/2 octave" AGE = 1,
-        Age0 "an octave" AGE = 0;
-    "cut-off of the filter": Cut20 "2 σ" CUT = 2.0, Cut25 "2.5 σ" CUT = 2.5,
-        Cut35 "3.5 σ" CUT = 3.5;
+    "bits of screen places": Place4 "4 bits" PLACE = 4, Place2 "2 bits" PLACE = 2;
+    "bits of weights": Weight8 "8 bits" WEIGHT = 8, Weight6 "6 bits" WEIGHT = 6;
+    "bits of light": Light8 "8 bits" LIGHT = 8;
+    "bits of depths": Depth4 "4 bits an octave" DEPTH = 4;
+    "steps of filter widths": Width3 "1/8 octave" WIDTH = 3, Width0 "an octave" WIDTH = 0;
+    "steps of ages": Age4 "1/16 octave" AGE = 4, Age0 "an octave" AGE = 0;
+    "cut-off of the filter": Cut20 "2 σ" CUT = 2.0, Cut25 "2.5 σ" CUT = 2.5;
 }
