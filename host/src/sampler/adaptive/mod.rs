@@ -8,7 +8,7 @@
 //! 2. **Lifetimes** ([`lifetime`]): verified samples say how fast light changes where.
 //! 3. In batches of a few milliseconds: **allocate** ([`allocate`]) shots to 4×4-pixel tiles by
 //!    water-filling over residuals, **aim** at the next point of the tile, or, for a tenth
-//!    of the shots, look again at a place seen before; **trace**; **learn**: the difference
+//!    of the shots (a fortieth while nothing moves), look again at a place seen before; **trace**; **learn**: the difference
 //!    between what was seen and what was remembered is the residual.
 //!
 //! Work is O(pixels) an epoch, O(tiles) a batch and O(1) a shot.
