@@ -117,6 +117,7 @@ fn turn(config: &mut Config, key: &str, number: f32) {
         "balanced" => config.balanced = on,
         "tolerance" => config.tolerance = number,
         "code_tolerance" => config.code_tolerance = number as u32,
+        "pattern" => config.pattern = number as u16,
         "seed" => config.seed = number as u64,
         _ => panic!("{key}: no such knob"),
     }
@@ -129,6 +130,7 @@ fn turn_paper(config: &mut paper::Config, key: &str, number: f64) {
         "arms" => config.arms = on,
         "adapt" => config.adapt = on,
         "decline" => config.decline = number,
+        "depth" => config.depth = number as u16,
         "chunk" => config.chunk = number as u32,
         "moves" => config.moves = number as u32,
         "hysteresis" => config.hysteresis = number,

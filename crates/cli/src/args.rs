@@ -278,7 +278,8 @@ pub struct EvalArgs {
 /// `unframed cost`
 #[derive(Debug, Clone, Args)]
 pub struct CostArgs {
-    /// .glb or .gltf files, or built-in scenes: each setting is measured on all of them.
+    /// .glb or .gltf files, or built-in scenes: each setting is measured on all of them, but for
+    /// the pattern of effects, which has a scene of its own.
     #[arg(value_name = "SCENE", default_values = ["interactive", "walkthrough", "toycar"])]
     pub scenes: Vec<String>,
     /// Panel size in pixels, WIDTHxHEIGHT. Rates and memories are set by the pixel.

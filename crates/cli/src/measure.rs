@@ -16,7 +16,7 @@ use unframed_wire::ledger::Ledger;
 use unframed_wire::{Counters, TileNode};
 
 use crate::args::{DisplayArgs, Size, Source};
-use crate::method::Method;
+use crate::method::{Method, Sampling};
 use crate::panel::{Order, all_cores, with_panel};
 use crate::report::{Picture, Rect};
 
@@ -124,12 +124,24 @@ fn open_clip(scene: &str, clip: Option<&str>, size: Size) -> Result<World> {
 /// The host of a method.
 #[must_use]
 pub fn host(source: &Source, method: Method, world: World) -> Host {
-    detailed(source, method, world, Detail::default())
+    detailed(
+        source,
+        method,
+        world,
+        Sampling::default(),
+        Detail::default(),
+    )
 }
 
-/// The same with a stream in less detail.
+/// The same with a sampler and a stream that are set otherwise.
 #[must_use]
-pub fn detailed(source: &Source, method: Method, world: World, detail: Detail) -> Host {
+pub fn detailed(
+    source: &Source,
+    method: Method,
+    world: World,
+    sampling: Sampling,
+    detail: Detail,
+) -> Host {
     let size = UVec2::new(source.size.width.into(), source.size.height.into());
     let promise = Promise {
         layout: method.layout(),
@@ -137,7 +149,8 @@ pub fn detailed(source: &Source, method: Method, world: World, detail: Detail) -
         rate: source.rate,
         refresh_millihertz: REFRESH_HZ * 1000,
     };
-    Host::with_detail(world, method.sampler(size, source.seed), promise, detail)
+    let sampler = method.sampler_with(size, source.seed, sampling);
+    Host::with_detail(world, sampler, promise, detail)
 }
 
 /// Number of refreshes in the simulated time, at least one.

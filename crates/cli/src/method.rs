@@ -10,6 +10,26 @@ use unframed_recon::Config;
 use unframed_recon::config::Lifetime;
 use unframed_wire::{Layout, TileFields};
 
+/// What of a method's sampler can be set where it is chosen by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Sampling {
+    /// Crosshairs that the sampler of [`Method::Paper`] keeps at each pixel, at least 1.
+    pub depth: u16,
+    /// Side, pixels, of the squares in which the sampler of [`Method::Adaptive`] takes the points
+    /// of effects from one sequence; with 0 they are random.
+    pub pattern: u16,
+}
+
+impl Default for Sampling {
+    /// As the samplers have it.
+    fn default() -> Self {
+        Self {
+            depth: paper::Config::default().depth,
+            pattern: adaptive::Config::default().pattern,
+        }
+    }
+}
+
 /// A method of sampling and reconstruction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, ValueEnum)]
 pub enum Method {
@@ -41,11 +61,18 @@ impl Method {
     /// Its sampler for an image of `size` pixels.
     #[must_use]
     pub fn sampler(self, size: UVec2, seed: u64) -> Box<dyn Sampler> {
+        self.sampler_with(size, seed, Sampling::default())
+    }
+
+    /// The same, set otherwise.
+    #[must_use]
+    pub fn sampler_with(self, size: UVec2, seed: u64, sampling: Sampling) -> Box<dyn Sampler> {
         match self {
             Self::Adaptive => Box::new(Adaptive::new(
                 size,
                 adaptive::Config {
                     seed,
+                    pattern: sampling.pattern,
                     ..Default::default()
                 },
             )),
@@ -55,6 +82,7 @@ impl Method {
                 size,
                 paper::Config {
                     seed,
+                    depth: sampling.depth,
                     ..Default::default()
                 },
             )),

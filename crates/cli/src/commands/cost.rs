@@ -15,10 +15,11 @@ use crate::cost::cores::{Core, Cores, or_say};
 use crate::cost::effort::{Effort, Law};
 use crate::cost::forecast::Forecast;
 use crate::cost::knobs::{Knobs, PRESETS, Planned, Preset, sweeps};
-use crate::cost::scaling::{Curve, curves};
+use crate::cost::page::Found;
+use crate::cost::scaling::curves;
 use crate::cost::study::{Study, WARM_UP, parallel};
 use crate::cost::table::{COSTS, Point, csv, factor_per_decibel, points, presets};
-use crate::cost::{adapter, answer, page, short};
+use crate::cost::{adapter, answer, effects, page, short};
 use crate::eval::store::write_whole;
 use crate::measure::{REFRESH_HZ, open_scene};
 use crate::report::write_file;
@@ -41,20 +42,22 @@ pub fn cost(args: &CostArgs) -> Result<()> {
     );
     let points_dir = args.out.join("points");
     make_out(&points_dir)?;
+    let study = |scene: &str, (size, seconds), split| {
+        Ok(Study {
+            name: scene.to_owned(),
+            world: open_scene(scene, size)?,
+            size,
+            refreshes: refreshes(seconds),
+            seed: args.seed,
+            threads,
+            split,
+            dir: points_dir.clone(),
+        })
+    };
     let studies = args
         .scenes
         .iter()
-        .map(|scene| {
-            Ok(Study {
-                name: scene.clone(),
-                world: open_scene(scene, args.size)?,
-                size: args.size,
-                refreshes: refreshes(args),
-                seed: args.seed,
-                threads,
-                dir: points_dir.clone(),
-            })
-        })
+        .map(|scene| study(scene, (args.size, args.seconds), true))
         .collect::<Result<Vec<Study>>>()?;
     let scenes: Vec<&Scene> = studies.iter().map(|study| study.world.scene()).collect();
     let first = *scenes.first().context("no scene")?;
@@ -69,6 +72,14 @@ pub fn cost(args: &CostArgs) -> Result<()> {
         .iter()
         .map(|study| pool.install(|| study.run(&planned, &ideals, args.fresh, &progress)))
         .collect::<Result<Vec<_>>>()?;
+    let on_effects = if sweeps_all(args) {
+        let within = effects::within(args.size, args.seconds);
+        let (study, planned) = (study(effects::SCENE, within, false)?, effects::sweep());
+        let measured = pool.install(|| study.run(&planned, &ideals, args.fresh, &progress))?;
+        points(&planned, &[measured], study.pixels(), &|_| None)
+    } else {
+        Vec::new()
+    };
     progress.set_message("instructions");
     let laws = match &counted {
         Some(cores) => laws(cores, planned.iter().map(|p| p.knobs), threads)?,
@@ -110,7 +121,14 @@ pub fn cost(args: &CostArgs) -> Result<()> {
     let study = studies.first().context("no scene")?;
     let adapter = on_adapter(args, study, &points)?;
     progress.finish_and_clear();
-    write(args, pixels, &points, &curves, adapter.as_ref(), &answers)?;
+    let found = Found {
+        points: &points,
+        on_effects: &on_effects,
+        curves: &curves,
+        adapter: adapter.as_ref(),
+        answers: &answers,
+    };
+    write(args, pixels, &found)?;
     tell(&points, &answers);
     println!(
         "numbers, plots and fronts: {}",
@@ -119,8 +137,8 @@ pub fn cost(args: &CostArgs) -> Result<()> {
     Ok(())
 }
 
-fn refreshes(args: &CostArgs) -> u32 {
-    ((WARM_UP + args.seconds) * f64::from(REFRESH_HZ)).round() as u32
+fn refreshes(seconds: f64) -> u32 {
+    ((WARM_UP + seconds) * f64::from(REFRESH_HZ)).round() as u32
 }
 
 /// Whether two settings cost the same for the same work.
@@ -203,7 +221,7 @@ fn candidates(
             scenes[scene],
             size,
             args.seed,
-            refreshes(args),
+            refreshes(args.seconds),
             first,
         )
     })?;
@@ -252,23 +270,21 @@ fn on_adapter(args: &CostArgs, study: &Study, points: &[Point]) -> Result<Option
     };
     let measured = |preset: &&Preset| points.iter().any(|p| p.preset == Some(preset.name));
     let presets: Vec<&Preset> = PRESETS.iter().filter(measured).collect();
-    let counted = [(WARM_UP * f64::from(REFRESH_HZ)) as u32, refreshes(args)];
+    let counted = [
+        (WARM_UP * f64::from(REFRESH_HZ)) as u32,
+        refreshes(args.seconds),
+    ];
     let world = &study.world;
     adapter::measure(&gpu, &presets, world, args.size, args.seed, counted).map(Some)
 }
 
-fn write(
-    args: &CostArgs,
-    pixels: u32,
-    points: &[Point],
-    curves: &[Curve],
-    adapter: Option<&OnAdapter>,
-    answers: &[Answer],
-) -> Result<()> {
+fn write(args: &CostArgs, pixels: u32, found: &Found<'_>) -> Result<()> {
+    let points = found.points;
     let factors: serde_json::Map<String, serde_json::Value> = COSTS
         .iter()
         .map(|(name, cost)| ((*name).to_owned(), json!(factor_per_decibel(points, *cost))))
         .collect();
+    let (size, seconds) = effects::within(args.size, args.seconds);
     let report = json!({
         "settings": {
             "scenes": args.scenes,
@@ -279,24 +295,30 @@ fn write(
             "refresh_hz": REFRESH_HZ,
         },
         "points": points,
+        "effects": {
+            "scene": effects::SCENE,
+            "size": [size.width, size.height],
+            "seconds": seconds,
+            "points": found.on_effects,
+        },
         "factor_per_decibel": factors,
-        "scaling": curves,
-        "adapter": adapter,
-        "budgets": answers,
+        "scaling": found.curves,
+        "adapter": found.adapter,
+        "budgets": found.answers,
     });
     let bytes = serde_json::to_vec_pretty(&report)?;
     write_whole(&args.out.join("report.json"), &bytes)?;
     if let Some(path) = &args.json {
         write_whole(path, &bytes)?;
     }
-    write_file(&args.out.join("points.csv"), csv(points).as_bytes())?;
+    let all = [points, found.on_effects].concat();
+    write_file(&args.out.join("points.csv"), csv(&all).as_bytes())?;
     let facts = [
         ("scenes", args.scenes.join(", ")),
         ("panel", format!("{}x{}", args.size.width, args.size.height)),
         ("simulated", format!("{} s", args.seconds)),
     ];
-    page::write(points, curves, adapter, answers, &facts, pixels, &args.out)?;
-    Ok(())
+    page::write(found, &facts, pixels, &args.out)
 }
 
 fn tell(points: &[Point], answers: &[Answer]) {

@@ -5,8 +5,9 @@ use unframed_host::stream::Detail;
 use unframed_recon::Config;
 use unframed_recon::config::{Extents, Fit, Lifetime, Light, TimeKernel};
 
+use super::effects;
 use super::formats::{FORMATS, Narrow};
-use crate::method::Method;
+use crate::method::{Method, Sampling};
 
 /// In which numbers a display computes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,6 +63,19 @@ fn left_out(detail: Detail) -> String {
     said.join(" and ")
 }
 
+/// In one phrase, how a sampler is set otherwise than it comes; nothing where it is not.
+fn set_otherwise(sampling: Sampling) -> String {
+    let usual = Sampling::default();
+    let mut said = Vec::new();
+    if sampling.depth != usual.depth {
+        said.push(format!("{} deep", sampling.depth));
+    }
+    if sampling.pattern != usual.pattern {
+        said.push(effects::side(sampling.pattern));
+    }
+    said.join(" and ")
+}
+
 /// One setting of everything.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Knobs {
@@ -73,6 +87,8 @@ pub struct Knobs {
     pub memory: f64,
     /// In which numbers the display computes.
     pub format: Format,
+    /// How the sampler is set.
+    pub sampling: Sampling,
     /// How finely the stream tells things.
     pub detail: Detail,
     /// What the display does.
@@ -88,6 +104,7 @@ impl Knobs {
             density,
             memory: 1.0,
             format: Format::Fixed,
+            sampling: Sampling::default(),
             detail: Detail::default(),
             display: method.display(),
         }
@@ -117,6 +134,7 @@ impl Knobs {
             rate: self.rate(pixels),
             samples: self.samples(pixels),
             format: self.format,
+            sampling: set_otherwise(self.sampling),
             detail: left_out(self.detail),
             fit: match display.fit {
                 Fit::Constant => "mean",
@@ -158,6 +176,8 @@ pub struct Described {
     pub samples: u32,
     /// Numbers.
     pub format: Format,
+    /// How the sampler is set otherwise than it comes; empty where it is not.
+    pub sampling: String,
     /// What the stream leaves out; empty where nothing.
     pub detail: String,
     /// What is fitted.
@@ -182,12 +202,16 @@ impl Described {
     pub fn line(&self) -> String {
         let hidden = if self.hidden { "" } else { ", no hidden test" };
         let fill = if self.fill { "" } else { ", no fill" };
+        let and = |said: &str| match said {
+            "" => String::new(),
+            said => format!(", {said}"),
+        };
         format!(
             "{} {}/s{}{}, N {}, {}, {}{hidden}, σ {}, τ {}, {}{fill}, {} light",
             self.method,
             super::short(self.rate),
-            if self.detail.is_empty() { "" } else { ", " },
-            self.detail,
+            and(&self.sampling),
+            and(&self.detail),
             super::short(self.samples),
             self.format.name(),
             self.fit,
@@ -273,6 +297,9 @@ pub const MIDDLE: f64 = 6.0;
 /// Seconds of the stream that a display remembers.
 const MEMORIES: [f64; 3] = [0.25, 0.5, 1.0];
 
+/// The sweep of [`Sampling::depth`], around `paper` instead of `adaptive`.
+pub const DEPTHS: &str = "depth of the sampler";
+
 /// A point and the sweep that it belongs to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Planned {
@@ -331,6 +358,15 @@ pub fn sweeps() -> Vec<Planned> {
     add("wire: bits of colours", &colours);
     let tilings = [1, 2, 8].map(|every| detail(&|d| d.tiles_every = every));
     add("wire: refreshes a tiling", &tilings);
+    let paper = Knobs::new(Method::Paper, MIDDLE);
+    let depth = |depth| Knobs {
+        sampling: Sampling {
+            depth,
+            ..paper.sampling
+        },
+        ..paper
+    };
+    add(DEPTHS, &[1, 2, 4, 8].map(depth));
     let memory = |memory| Knobs { memory, ..middle };
     add(
         "samples remembered",
@@ -418,8 +454,11 @@ mod tests {
             "wire: bits of places",
             "wire: bits of colours",
             "wire: refreshes a tiling",
+            DEPTHS,
+            effects::SWEEP,
         ] {
-            let points: Vec<_> = sweeps().into_iter().filter(|p| p.sweep == sweep).collect();
+            let all = sweeps().into_iter().chain(effects::sweep());
+            let points: Vec<_> = all.filter(|p| p.sweep == sweep).collect();
             assert!(points.len() >= 2, "{sweep}");
             let rest = |p: &Planned| (p.knobs.method, p.knobs.density, p.knobs.memory);
             assert!(

@@ -14,6 +14,7 @@ pub mod adapter;
 pub mod answer;
 pub mod budget;
 pub mod cores;
+pub mod effects;
 pub mod effort;
 pub mod forecast;
 pub mod formats;

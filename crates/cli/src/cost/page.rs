@@ -7,27 +7,43 @@ use anyhow::Result;
 use super::adapter::{self, OnAdapter};
 use super::answer;
 use super::budget::Answer;
+use super::effects;
 use super::formats::FORMATS;
-use super::knobs::{Format, Knobs, MIDDLE};
+use super::knobs::{DEPTHS, Format, Knobs, MIDDLE};
+use super::point::ErrorParts;
 use super::scaling::{Curve, plots};
 use super::short;
 use super::table::{COSTS, CostOf, Point, distinct, factor_per_decibel, presets, slope};
 use crate::method::Method;
 use crate::report::{Axis, BarChart, Plot, Report, Scale, Section, Table, write_file};
 
+/// All that was measured.
+#[derive(Clone, Copy, Debug)]
+pub struct Found<'a> {
+    /// The points of all sweeps.
+    pub points: &'a [Point],
+    /// Those on the scene of effects; none where they were not measured.
+    pub on_effects: &'a [Point],
+    /// How cost grows.
+    pub curves: &'a [Curve],
+    /// The presets on a graphics adapter.
+    pub adapter: Option<&'a OnAdapter>,
+    /// What the budgets' answers are.
+    pub answers: &'a [Answer],
+}
+
 /// Writes `report.html` and the fronts as SVG files under `dir`.
 ///
 /// # Errors
 /// A plot cannot be drawn or a file not be written.
-pub fn write(
-    points: &[Point],
-    curves: &[Curve],
-    on_adapter: Option<&OnAdapter>,
-    answers: &[Answer],
-    facts: &[(&str, String)],
-    pixels: u32,
-    dir: &Path,
-) -> Result<()> {
+pub fn write(found: &Found<'_>, facts: &[(&str, String)], pixels: u32, dir: &Path) -> Result<()> {
+    let Found {
+        points,
+        on_effects,
+        curves,
+        answers,
+        ..
+    } = *found;
     let mut report = Report::new(
         "unframed: what accuracy costs",
         "Every knob that trades error for time, bytes or memory, turned and measured. Error is \
@@ -49,6 +65,9 @@ pub fn write(
     for section in knobs(points, pixels)? {
         report.section(section);
     }
+    if !on_effects.is_empty() {
+        report.section(effects::section(on_effects));
+    }
     if !curves.is_empty() {
         let mut section = Section::new("How cost grows");
         for (file, plot) in plots(curves) {
@@ -65,7 +84,7 @@ pub fn write(
     if let Some(section) = scaling(points, dir)? {
         report.section(section);
     }
-    if let Some(found) = on_adapter {
+    if let Some(found) = found.adapter {
         report.section(adapter::section(found, &presets(points))?);
     }
     if !answers.is_empty() {
@@ -247,7 +266,7 @@ fn parts_chart(title: &str) -> BarChart {
 }
 
 fn parts_bar(chart: BarChart, name: String, point: &Point) -> BarChart {
-    let e = &point.error;
+    let e = point.error.unwrap_or_default();
     let parts = [e.sampling, e.filtering, e.delay, e.arithmetic];
     chart.parts_bar(name, parts.map(|part| part.max(0.0)).to_vec())
 }
@@ -284,6 +303,7 @@ fn label(sweep: &str, p: &Point) -> String {
         "samples remembered" => {
             format!("{} ({:.2} s)", short(p.knobs.samples), p.settings().memory)
         }
+        DEPTHS => p.settings().sampling.depth.to_string(),
         "fit" => p.knobs.fit.to_owned(),
         "hidden-point test" => on(p.knobs.hidden),
         "filling" => on(p.knobs.fill),
@@ -306,9 +326,6 @@ fn label(sweep: &str, p: &Point) -> String {
 /// One table and one chart a knob.
 fn knobs(points: &[Point], pixels: u32) -> Result<Vec<Section>> {
     let middle = Knobs::new(Method::Adaptive, MIDDLE);
-    let Some(base) = points.iter().find(|p| *p.settings() == middle) else {
-        return Ok(Vec::new());
-    };
     let mut sweeps: Vec<&str> = Vec::new();
     for p in points {
         if !sweeps.contains(&p.sweep) && !["all together", "presets"].contains(&p.sweep) {
@@ -317,12 +334,19 @@ fn knobs(points: &[Point], pixels: u32) -> Result<Vec<Section>> {
     }
     let mut section = Section::new("Knob by knob");
     section.paragraph(&format!(
-        "One knob turned, all else as `adaptive` has it at {} samples a second; changes against \
-         that.",
+        "One knob turned, all else as `adaptive` has it at {} samples a second (or `paper`, for \
+         the depth of its sampler's buffer); changes against that.",
         short(middle.rate(pixels))
     ));
     let percent = |a: f64, b: f64| format!("{:+.0}", 100.0 * (a / b - 1.0)).replace('-', "−");
     for sweep in sweeps {
+        let usual = match sweep {
+            DEPTHS => Knobs::new(Method::Paper, MIDDLE),
+            _ => middle,
+        };
+        let Some(base) = points.iter().find(|p| *p.settings() == usual) else {
+            continue;
+        };
         let heads = [
             sweep,
             "RMSE",
@@ -343,21 +367,26 @@ fn knobs(points: &[Point], pixels: u32) -> Result<Vec<Section>> {
                 true => cell,
                 false => "–".to_owned(),
             };
+            let part = |of: fn(&ErrorParts) -> f64, digits| {
+                let error = p.error.as_ref().map(of);
+                error.map_or_else(|| "–".to_owned(), |e| format!("{e:.digits$}"))
+            };
             let cells = [
                 label(sweep, p),
                 format!("{:.2}", p.rmse),
                 format!("{:+.2}", p.psnr - base.psnr).replace('-', "−"),
-                format!("{:.1}", p.error.sampling),
-                format!("{:.1}", p.error.filtering),
-                format!("{:.1}", p.error.delay),
-                format!("{:.2}", p.error.arithmetic),
-                format!("{:.2}", p.rmse_to_oracle),
+                part(|e| e.sampling, 1),
+                part(|e| e.filtering, 1),
+                part(|e| e.delay, 1),
+                part(|e| e.arithmetic, 2),
+                p.rmse_to_oracle
+                    .map_or_else(|| "–".to_owned(), |rmse| format!("{rmse:.2}")),
                 real(percent(p.display_seconds, base.display_seconds)),
                 percent(p.host_seconds, base.host_seconds),
                 percent(p.bytes_per_second, base.bytes_per_second),
                 real(percent(p.ram_bytes as f64, base.ram_bytes as f64)),
             ];
-            if *p.settings() == middle {
+            if *p.settings() == usual {
                 table.strong_row(cells);
             } else {
                 table.row(cells);

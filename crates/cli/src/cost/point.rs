@@ -48,21 +48,37 @@ pub struct ErrorParts {
     pub total: f64,
 }
 
+impl ErrorParts {
+    fn mean(all: &[Self]) -> Self {
+        let count = all.len().max(1) as f64;
+        let mean = |f: fn(&Self) -> f64| all.iter().map(f).sum::<f64>() / count;
+        Self {
+            sampling: mean(|e| e.sampling),
+            filtering: mean(|e| e.filtering),
+            arithmetic: mean(|e| e.arithmetic),
+            delay: mean(|e| e.delay),
+            total: mean(|e| e.total),
+        }
+    }
+}
+
 /// A setting, measured.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
-    /// Split, at every tenth refresh.
-    pub error: ErrorParts,
+    /// Split, at every tenth refresh; none where it was not to be.
+    pub error: Option<ErrorParts>,
     /// Over every refresh counted: root of the mean of squares, levels.
     pub rmse: f64,
-    /// RMSE against the same in `f64` at every tenth refresh, levels.
-    pub rmse_to_oracle: f64,
+    /// RMSE against the same in `f64` at every tenth refresh, levels; none where it was not split.
+    pub rmse_to_oracle: Option<f64>,
     /// Core seconds of the host for a second of animation.
     pub host_seconds: f64,
     /// Core seconds of the display for a second of animation: median refresh × refresh rate.
     pub display_seconds: f64,
     /// Stream bytes a second, all packets counted.
     pub bytes_per_second: f64,
+    /// Rays of the host for a second of animation, of all kinds.
+    pub rays_per_second: f64,
     /// RAM of the display, bytes.
     pub ram_bytes: u64,
     /// What a refresh has to do, the mean of every tenth; of a display in integers alone.
@@ -77,19 +93,17 @@ impl Measured {
         let count = all.len().max(1) as f64;
         let mean = |f: fn(&Self) -> f64| all.iter().map(|m| f(m)).sum::<f64>() / count;
         let works: Vec<&Work> = all.iter().filter_map(|m| m.work.as_ref()).collect();
+        let parts: Option<Vec<ErrorParts>> = all.iter().map(|m| m.error).collect();
+        let to_oracle: Option<Vec<f64>> = all.iter().map(|m| m.rmse_to_oracle).collect();
+        let squares = |rmse: Vec<f64>| rmse.iter().map(|r| r * r).sum::<f64>() / count;
         Self {
-            error: ErrorParts {
-                sampling: mean(|m| m.error.sampling),
-                filtering: mean(|m| m.error.filtering),
-                arithmetic: mean(|m| m.error.arithmetic),
-                delay: mean(|m| m.error.delay),
-                total: mean(|m| m.error.total),
-            },
+            error: parts.map(|parts| ErrorParts::mean(&parts)),
             rmse: mean(|m| m.rmse.powi(2)).sqrt(),
-            rmse_to_oracle: mean(|m| m.rmse_to_oracle.powi(2)).sqrt(),
+            rmse_to_oracle: to_oracle.map(|rmse| squares(rmse).sqrt()),
             host_seconds: mean(|m| m.host_seconds),
             display_seconds: mean(|m| m.display_seconds),
             bytes_per_second: mean(|m| m.bytes_per_second),
+            rays_per_second: mean(|m| m.rays_per_second),
             ram_bytes: all.iter().map(|m| m.ram_bytes).max().unwrap_or(0),
             work: (works.len() == all.len()).then(|| Work::mean(works)),
         }
@@ -109,12 +123,12 @@ pub struct Instant {
 }
 
 impl Instant {
-    /// Of refresh `index`.
+    /// Of refresh `index`; without `split` the error is not split there.
     ///
     /// # Errors
     /// The scene cannot be sent.
-    pub fn new(index: u32, reference: Reference, world: &World) -> Result<Self> {
-        let splits = (index + 1).is_multiple_of(SPLIT_EVERY);
+    pub fn new(index: u32, reference: Reference, world: &World, split: bool) -> Result<Self> {
+        let splits = split && (index + 1).is_multiple_of(SPLIT_EVERY);
         let plenty = splits.then(|| stream::dense(world, reference.time));
         Ok(Self {
             plenty: plenty.transpose()?,
@@ -221,20 +235,22 @@ impl Job<'_> {
         );
         times.sort_unstable_by(f64::total_cmp);
         let median = times.get(times.len() / 2).copied().unwrap_or(0.0);
+        let split = self.instants.iter().any(|instant| instant.plenty.is_some());
         let [shown, exact, fresh, plenty, rounding] = chain.map(SquaredError::mean);
         Ok(Measured {
-            error: ErrorParts {
+            error: split.then_some(ErrorParts {
                 arithmetic: shown - exact,
                 delay: exact - fresh,
                 sampling: fresh - plenty,
                 filtering: plenty,
                 total: shown,
-            },
+            }),
             rmse: error.rmse(),
-            rmse_to_oracle: rounding.sqrt(),
+            rmse_to_oracle: split.then(|| rounding.sqrt()),
             host_seconds: self.stream.host_seconds,
             display_seconds: median * f64::from(REFRESH_HZ),
             bytes_per_second: self.stream.bytes_per_second,
+            rays_per_second: self.stream.rays_per_second,
             ram_bytes: ram::bytes::<A>(
                 width,
                 height,

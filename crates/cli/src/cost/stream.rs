@@ -23,6 +23,8 @@ pub struct Stream {
     pub host_seconds: f64,
     /// Bytes a second of animation, from `first` on.
     pub bytes_per_second: f64,
+    /// Rays a second of animation, of all kinds, from `first` on.
+    pub rays_per_second: f64,
 }
 
 impl Stream {
@@ -48,25 +50,34 @@ impl Stream {
             seed,
             method: knobs.method,
         };
-        let mut host = detailed(&source, knobs.method, world.clone(), knobs.detail);
+        let mut host = detailed(
+            &source,
+            knobs.method,
+            world.clone(),
+            knobs.sampling,
+            knobs.detail,
+        );
         let mut stream = Self {
             refreshes: Vec::new(),
             host_seconds: 0.0,
             bytes_per_second: 0.0,
+            rays_per_second: 0.0,
         };
         for index in 0..refreshes {
             let mut bytes = Vec::new();
             let watch = Stopwatch::start();
-            host.advance(&mut bytes)?;
+            let progress = host.advance(&mut bytes)?;
             if index >= first {
                 stream.host_seconds += watch.seconds();
                 stream.bytes_per_second += bytes.len() as f64;
+                stream.rays_per_second += f64::from(progress.rays.total());
             }
             stream.refreshes.push(bytes);
         }
         let seconds = f64::from(refreshes.saturating_sub(first).max(1)) / f64::from(REFRESH_HZ);
         stream.host_seconds /= seconds;
         stream.bytes_per_second /= seconds;
+        stream.rays_per_second /= seconds;
         Ok(stream)
     }
 }

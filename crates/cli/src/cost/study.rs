@@ -19,7 +19,7 @@ use crate::eval::store::{Key, write_whole};
 use crate::measure::{IDEAL_GRID, REFRESH_HZ};
 
 /// Raise this when what a point means changes: old files are not used any more.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 /// Seconds before anything counts: the display fills.
 pub const WARM_UP: f64 = 0.5;
 
@@ -37,6 +37,9 @@ pub struct Study {
     pub seed: u64,
     /// Threads.
     pub threads: usize,
+    /// Whether errors are split. That traces samples again with one ray for each effect, and so
+    /// would count the noise of effects among others where a scene calls for them.
+    pub split: bool,
     /// Where finished points are kept.
     pub dir: PathBuf,
 }
@@ -56,10 +59,11 @@ impl Study {
     fn path(&self, knobs: &Knobs) -> PathBuf {
         let scene = Key::of_scene(self.world.scene());
         let key = scene.with(format_args!(
-            "{VERSION} {knobs:?} {:?} {} {} {IDEAL_GRID} {:?}",
+            "{VERSION} {knobs:?} {:?} {} {} {} {IDEAL_GRID} {:?}",
             self.size,
             self.refreshes,
             self.seed,
+            self.split,
             adaptive::Config::default(),
         ));
         self.dir.join(format!("{key}.json"))
@@ -104,7 +108,8 @@ impl Study {
         // Displays of the same stream share it: whatever the display, the host does the same.
         let mut streams: Vec<Knobs> = Vec::new();
         let same = |a: &Knobs, b: &Knobs| {
-            (a.method, a.density, a.detail) == (b.method, b.density, b.detail)
+            (a.method, a.density, a.sampling, a.detail)
+                == (b.method, b.density, b.sampling, b.detail)
         };
         for knobs in todo {
             if !streams.iter().any(|other| same(knobs, other)) {
@@ -120,7 +125,7 @@ impl Study {
             .map(|index| {
                 progress.inc(1);
                 let reference = cache.reference(&mut world, index)?;
-                Instant::new(index, reference, &self.world)
+                Instant::new(index, reference, &self.world, self.split)
             })
             .collect::<Result<_>>()?;
         progress.set_message("streams");

@@ -311,8 +311,12 @@ impl EvalMethod {
         };
         match self {
             Self::Without(part) => part.sampler(knobs),
-            Self::AdaptiveUnguided | Self::AdaptivePatternOnly => adaptive::Config {
-                pattern: self == Self::AdaptivePatternOnly,
+            Self::AdaptivePatternOnly => adaptive::Config {
+                guidance: false,
+                ..knobs
+            },
+            Self::AdaptiveUnguided => adaptive::Config {
+                pattern: 0,
                 guidance: false,
                 ..knobs
             },

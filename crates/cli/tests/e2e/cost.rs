@@ -1,15 +1,19 @@
 //! `unframed cost` as a user runs it: names that scripts rely on, parts that add up, presets that
 //! nothing beats, budgets that are answered.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use crate::common::{succeed, unframed};
 use indicatif::ProgressBar;
 use serde_json::Value;
 use unframed_cli::args::Size;
-use unframed_cli::cost::knobs::{Knobs, PRESETS, Planned};
+use unframed_cli::cost::effects;
+use unframed_cli::cost::knobs::{DEPTHS, Knobs, PRESETS, Planned, sweeps};
+use unframed_cli::cost::page::{self, Found};
 use unframed_cli::cost::study::Study;
-use unframed_cli::cost::table::points;
+use unframed_cli::cost::table::{Point, csv, points};
+use unframed_cli::method::Sampling;
 use unframed_host::scene::builtin::builtin;
 use unframed_host::trace::World;
 use unframed_recon::Config;
@@ -67,6 +71,78 @@ fn presets_are_measured_once_and_budgets_answered() {
     }
 }
 
+/// The knobs of samplers, in little: the samplers' own defaults are among the settings, others change
+/// the error, and all stand in the report, its effects apart.
+#[test]
+fn samplers_are_swept_and_effects_on_a_scene_of_their_own() {
+    let out = tempfile::tempdir().unwrap();
+    let size = Size {
+        width: 24,
+        height: 24,
+    };
+    let measure = |scene: &str, planned: &[Planned], split| {
+        let study = Study {
+            name: scene.to_owned(),
+            world: World::new(builtin(scene).unwrap(), [24, 24]).unwrap(),
+            size,
+            refreshes: 60,
+            seed: 1,
+            threads: 2,
+            split,
+            dir: out.path().to_owned(),
+        };
+        let quiet = ProgressBar::hidden();
+        let ideals = out.path().join("ideals");
+        let measured = study.run(planned, &ideals, false, &quiet).unwrap();
+        points(planned, &[measured], study.pixels(), &|_| None)
+    };
+    let deep: Vec<Planned> = sweeps().into_iter().filter(|p| p.sweep == DEPTHS).collect();
+    let depths = measure("toycar", &deep, true);
+    let patterns = measure(effects::SCENE, &effects::sweep(), false);
+    let usual = Sampling::default();
+    for all in [&depths, &patterns] {
+        let errors: BTreeSet<u64> = all.iter().map(|p| p.rmse.to_bits()).collect();
+        assert_eq!(errors.len(), all.len(), "some change nothing: {errors:?}");
+        assert!(all.iter().any(|p| p.settings().sampling == usual));
+    }
+    let of = |all: &[Point], what: fn(&Sampling) -> u16| -> Vec<u16> {
+        all.iter().map(|p| what(&p.settings().sampling)).collect()
+    };
+    assert_eq!(of(&depths, |s| s.depth), [1, 2, 4, 8]);
+    assert_eq!(of(&patterns, |s| s.pattern), [0, 1, 2, 4, 8, 16]);
+    // Effects are on: more rays than samples and their hard shadows take.
+    for p in &patterns {
+        assert!(p.rays_per_second > 4.0 * f64::from(p.knobs.rate), "{p:#?}");
+        assert!(p.error.is_none() && p.rmse > 0.5, "{p:#?}");
+    }
+    let random = &patterns[0];
+    assert!(patterns[1..].iter().all(|p| p.rmse < 0.95 * random.rmse));
+    let found = Found {
+        points: &depths,
+        on_effects: &patterns,
+        curves: &[],
+        adapter: None,
+        answers: &[],
+    };
+    page::write(&found, &[], 24 * 24, out.path()).unwrap();
+    let page = std::fs::read_to_string(out.path().join("report.html")).unwrap();
+    for words in [
+        DEPTHS,
+        "side of the pattern",
+        "pattern of 8 px",
+        "random points",
+    ] {
+        assert!(page.contains(words), "{words}");
+    }
+    let table = csv(&[depths, patterns].concat());
+    for cells in [
+        "depth of the sampler,paper,3456,3456,fixed,8 deep,",
+        "pattern of effects,adaptive,3456,3456,fixed,random points,",
+    ] {
+        assert!(table.contains(cells), "{table}");
+    }
+}
+
 /// A preset and what differs from it by one knob that costs no more bytes.
 fn with_rivals(preset: &Knobs) -> Vec<Knobs> {
     let rival = |change: &dyn Fn(&mut Config)| {
@@ -118,6 +194,7 @@ fn no_preset_is_beaten_by_its_neighbours() {
                 refreshes: 34,
                 seed: 1,
                 threads: 2,
+                split: true,
                 dir: out.path().to_owned(),
             };
             let quiet = ProgressBar::hidden();

@@ -48,9 +48,9 @@ pub struct Config {
     /// How much the logarithmic codes (eight to a factor of two) may differ within one tile that
     /// is sent.
     pub code_tolerance: u32,
-    /// Whether samples of a tile take the points of lamps and media from one sequence, and
-    /// second looks those of before; else all points are random.
-    pub pattern: bool,
+    /// Side, pixels, of the squares whose samples take the points of lamps and media from one
+    /// sequence, while second looks take those of before; with 0 all points are random.
+    pub pattern: u16,
     /// Whether a tile's samples give more rays to the effects whose rays disagree there.
     pub guidance: bool,
     /// Rays of each effect in a sample, 1..=15, where there is no guidance.
@@ -82,7 +82,7 @@ impl Default for Config {
             balanced: true,
             tolerance: 10.0,
             code_tolerance: 2,
-            pattern: true,
+            pattern: 4,
             guidance: true,
             rays: 1,
             seed: 1,

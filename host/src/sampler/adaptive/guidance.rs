@@ -1,9 +1,7 @@
-//! Which points of lamps and media samples look at, and how many: adaptive interleaved sampling
-//! (Dubla et al. 2009) without frames.
+//! How many points of lamps and media samples look at: the guidance of adaptive interleaved sampling
+//! (Dubla et al. 2009) without frames; which points these are, says the pattern ([`super::pattern`]).
 //!
-//! The **pattern** is each tile's own sequence of points, taken one after the other
-//! ([`crate::effects::care`]). The **guidance** is the spread of what rays of a tile brought, effect
-//! by effect: none in the umbra, little in the full light of a small lamp, much in a penumbra. A
+//! The guidance is the spread of what rays of a tile brought, effect by effect: none in the umbra, little in the full light of a small lamp, much in a penumbra. A
 //! sample that gives `k` rays to an effect costs `c + k` rays and errs by `v + w/k`, where `v` is the tile's
 //! squared error without the effect's noise and `w` the squared spread of one of its rays; for a
 //! given number of rays the error is least at k = √(w·c/v). A tile that has seen little listens to
@@ -47,8 +45,6 @@ struct Spread {
     sums: Told,
     /// Number of samples, the old ones discounted.
     samples: f32,
-    /// Points of its sequence that were taken.
-    taken: u16,
 }
 
 /// Seed and care of a sample of a pattern, in 32 bits: cells have no room for more.
@@ -73,7 +69,7 @@ impl Points {
     }
 }
 
-/// The pattern and the guidance of all tiles.
+/// The guidance of all tiles.
 #[derive(Clone, Debug)]
 pub(super) struct Guidance {
     /// Row by row.
@@ -93,21 +89,12 @@ impl Guidance {
         }
     }
 
-    /// The seed of the next new sample of a tile, which takes `care`.
-    pub(super) fn seed(&mut self, tile: u32, care: Care) -> u32 {
-        let taken = &mut self.tiles[tile as usize].taken;
-        let seed = care::few(tile, *taken);
-        let most = care.rays.into_iter().max().unwrap_or(1);
-        *taken = taken.wrapping_add(u16::from(most));
-        seed
-    }
-
     /// The care of a new sample of a tile. What is not called for takes no rays, whatever is
     /// said here.
     pub(super) fn care(&self, tile: u32, known: &Tile, config: &Config) -> Care {
         let mut care = Care {
             rays: [config.rays; 3],
-            pattern: config.pattern,
+            pattern: config.pattern > 0,
         };
         if !config.guidance {
             return care;
@@ -143,7 +130,7 @@ impl Guidance {
 
     /// Samples and sums of a tile and, the less it has seen itself, of the four beside it.
     fn known_of(&self, tile: u32) -> (f32, Told) {
-        let Spread { samples, sums, .. } = self.tiles[tile as usize];
+        let Spread { samples, sums } = self.tiles[tile as usize];
         let mut known = (samples, sums);
         let weight = HEARSAY / (1.0 + samples / KNOWN);
         let column = tile % self.columns;
@@ -306,18 +293,5 @@ mod tests {
         // What it sees itself outweighs that.
         teach(&mut guidance, 4, 60, [0.0, 0.4]);
         assert!(guidance.care(4, &tile, &config).rays[care::SOFT] >= 4);
-    }
-
-    #[test]
-    fn a_tile_takes_its_points_one_after_the_other() {
-        let mut guidance = Guidance::new(2, 1);
-        let care = Care {
-            rays: [1, 5, 2],
-            pattern: true,
-        };
-        let first = guidance.seed(1, care);
-        assert_eq!(guidance.seed(1, care), first + 5);
-        assert_eq!(guidance.seed(1, care), first + 10);
-        assert_ne!(guidance.seed(0, care), first);
     }
 }

@@ -20,6 +20,7 @@ mod config;
 mod guidance;
 mod learn;
 mod lifetime;
+mod pattern;
 mod plan;
 pub(super) mod projection;
 mod tiles;
@@ -40,6 +41,7 @@ pub use config::Config;
 use guidance::Guidance;
 use learn::Find;
 use lifetime::Lifetimes;
+use pattern::Pattern;
 use projection::Projection;
 use tiles::{Grid, Tile};
 
@@ -78,6 +80,7 @@ pub struct Adaptive {
     level: f32,
     fading: Fading,
     guidance: Guidance,
+    pattern: Pattern,
     alarm: Alarm,
     cut: Option<f64>,
     order: Vec<u32>,
@@ -169,6 +172,7 @@ impl Adaptive {
             learned: (0..grid.len() as u32).collect(),
             fading: Fading::default(),
             guidance: Guidance::new(grid.columns, grid.rows),
+            pattern: Pattern::new(image, config.pattern),
             alarm: Alarm::default(),
             cut: None,
             order: allocate::z_order(grid.columns, grid.rows),

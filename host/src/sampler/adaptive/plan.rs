@@ -84,7 +84,7 @@ impl Adaptive {
                     instead: place,
                 };
             } else if care.pattern {
-                seed = self.guidance.seed(tile, care);
+                seed = self.pattern.seed(place, care);
             }
             self.scratch.plans.push(Plan {
                 time,

@@ -2,8 +2,6 @@
 
 use super::crosshair::Crosshair;
 
-/// b: places in a pixel's queue.
-pub(super) const DEPTH: usize = 4;
 /// No crosshair.
 const NONE: u32 = u32::MAX;
 
@@ -15,16 +13,33 @@ const NONE: u32 = u32::MAX;
 pub(super) struct DeepBuffer {
     pool: Vec<Crosshair>,
     free: Vec<u32>,
-    queues: Vec<[u32; DEPTH]>,
+    /// Pixel by pixel, `depth` ids each.
+    queues: Vec<u32>,
+    /// b: places in a pixel's queue.
+    depth: usize,
 }
 
 impl DeepBuffer {
-    pub(super) fn new(pixels: usize) -> Self {
+    /// Empty queues of `depth` places; 0 counts as 1.
+    pub(super) fn new(pixels: usize, depth: u16) -> Self {
+        let depth = usize::from(depth.max(1));
         Self {
             pool: Vec::new(),
             free: Vec::new(),
-            queues: vec![[NONE; DEPTH]; pixels],
+            queues: vec![NONE; depth * pixels],
+            depth,
         }
+    }
+
+    /// The ids of a pixel's queue, from the front.
+    fn ids(&self, pixel: u32) -> &[u32] {
+        let first = pixel as usize * self.depth;
+        &self.queues[first..first + self.depth]
+    }
+
+    fn ids_mut(&mut self, pixel: u32) -> &mut [u32] {
+        let first = pixel as usize * self.depth;
+        &mut self.queues[first..first + self.depth]
     }
 
     /// Crosshairs stored: |buffer|.
@@ -34,7 +49,7 @@ impl DeepBuffer {
 
     /// The queue of a pixel, from the front.
     pub(super) fn queue(&self, pixel: u32) -> impl Iterator<Item = &Crosshair> {
-        let ids = self.queues[pixel as usize].iter();
+        let ids = self.ids(pixel).iter();
         ids.take_while(|&&id| id != NONE)
             .map(|&id| &self.pool[id as usize])
     }
@@ -46,13 +61,13 @@ impl DeepBuffer {
 
     /// Takes out the crosshair at the front of a pixel's queue.
     pub(super) fn pop_front(&mut self, pixel: u32) -> Option<Crosshair> {
-        let queue = &mut self.queues[pixel as usize];
+        let queue = self.ids_mut(pixel);
         let id = queue[0];
         if id == NONE {
             return None;
         }
+        queue[0] = NONE;
         queue.rotate_left(1);
-        queue[DEPTH - 1] = NONE;
         self.free.push(id);
         Some(self.pool[id as usize])
     }
@@ -61,7 +76,7 @@ impl DeepBuffer {
     /// back.
     pub(super) fn push_front(&mut self, crosshair: Crosshair) -> Option<Crosshair> {
         let id = self.store(crosshair);
-        let queue = &mut self.queues[crosshair.pixel as usize];
+        let queue = self.ids_mut(crosshair.pixel);
         queue.rotate_right(1);
         let out = std::mem::replace(&mut queue[0], id);
         self.release(out)
@@ -70,30 +85,27 @@ impl DeepBuffer {
     /// Puts a reprojected crosshair at the back of its pixel's queue. If the queue is full, the
     /// older of it and the one at the back falls out.
     pub(super) fn push_back(&mut self, crosshair: Crosshair) -> Option<Crosshair> {
-        let queue = self.queues[crosshair.pixel as usize];
+        let queue = self.ids(crosshair.pixel);
+        let last = queue.len() - 1;
         let place = queue.iter().position(|&id| id == NONE);
-        let back = queue[DEPTH - 1];
+        let back = queue[last];
         if place.is_none() && self.pool[back as usize].time > crosshair.time {
             return Some(crosshair);
         }
         let id = self.store(crosshair);
-        let place = place.unwrap_or(DEPTH - 1);
-        let out = std::mem::replace(&mut self.queues[crosshair.pixel as usize][place], id);
+        let place = &mut self.ids_mut(crosshair.pixel)[place.unwrap_or(last)];
+        let out = std::mem::replace(place, id);
         self.release(out)
     }
 
     /// Takes out the crosshair of a pixel that is of the same sample as `like`, if it is there.
     pub(super) fn remove(&mut self, like: &Crosshair) -> Option<Crosshair> {
-        let pool = &self.pool;
-        let queue = &mut self.queues[like.pixel as usize];
-        let place = queue.iter().position(|&id| {
-            id != NONE
-                && pool[id as usize].time == like.time
-                && pool[id as usize].centre == like.centre
-        })?;
-        let id = queue[place];
+        let place = self
+            .queue(like.pixel)
+            .position(|own| own.time == like.time && own.centre == like.centre)?;
+        let queue = self.ids_mut(like.pixel);
+        let id = std::mem::replace(&mut queue[place], NONE);
         queue[place..].rotate_left(1);
-        queue[DEPTH - 1] = NONE;
         self.release(id)
     }
 
@@ -120,7 +132,7 @@ impl DeepBuffer {
     /// All crosshairs, queue by queue.
     #[cfg(test)]
     pub(super) fn iter(&self) -> impl Iterator<Item = &Crosshair> {
-        let ids = self.queues.iter().flatten().filter(|&&id| id != NONE);
+        let ids = self.queues.iter().filter(|&&id| id != NONE);
         ids.map(|&id| &self.pool[id as usize])
     }
 }

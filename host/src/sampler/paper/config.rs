@@ -15,6 +15,9 @@ pub struct Config {
     /// How fast a sample's weight in the statistics declines: e^(−`decline`·age), 1/s (§4);
     /// 0 forgets only what leaves the deep buffer.
     pub decline: f64,
+    /// b: crosshairs that the deep buffer keeps at each pixel (§4), 1 or more. What the display
+    /// remembers is another buffer, with a size of its own.
+    pub depth: u16,
     /// Crosshairs between two adjustments of the tiling (§4.2), 1 or more.
     pub chunk: u32,
     /// The most splits and merges of one adjustment.
@@ -60,6 +63,7 @@ impl Default for Config {
             arms: true,
             adapt: true,
             decline: 3.47,
+            depth: 4,
             chunk: 25,
             moves: 8,
             hysteresis: 1.1,

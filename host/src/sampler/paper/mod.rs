@@ -116,7 +116,7 @@ impl Paper {
     pub fn new(size: UVec2, config: Config) -> Self {
         let tree = Tree::new(size, config.decline);
         Self {
-            buffer: DeepBuffer::new(size.element_product() as usize),
+            buffer: DeepBuffer::new(size.element_product() as usize, config.depth),
             tiling: Tiling::new(tree, &config),
             vacancies: VecDeque::new(),
             random: Random::new(config.seed),

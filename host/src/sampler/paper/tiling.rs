@@ -13,7 +13,7 @@
 use unframed_wire::tiles::TileNode;
 use unframed_wire::{LogCode, Tile, TileFields};
 
-use super::buffer::{DEPTH, DeepBuffer};
+use super::buffer::DeepBuffer;
 use super::config::Config;
 use super::crosshair::{Crosshair, Initial};
 use super::error::{self, Norms, Terms};
@@ -48,6 +48,8 @@ pub(super) struct Tiling {
     place: Vec<u32>,
     /// Side of the smallest tile, pixels.
     finest: u16,
+    /// b: places of the deep buffer at each pixel.
+    depth: u16,
     leaves: Vec<Leaf>,
     splits: Heap,
     merges: Heap,
@@ -69,6 +71,7 @@ impl Tiling {
             cut: vec![0],
             place: vec![NONE; nodes],
             finest: config.finest,
+            depth: config.depth.max(1),
             leaves: vec![Leaf::default(); nodes],
             splits: Heap::new(nodes),
             merges: Heap::new(nodes),
@@ -142,14 +145,17 @@ impl Tiling {
         }
     }
 
-    /// Empty places of the deep buffer in a tile.
+    /// Places of the deep buffer in a tile.
+    fn places(&self, tile: u32) -> f64 {
+        f64::from(self.tree.nodes[tile as usize].area()) * f64::from(self.depth)
+    }
+
+    /// Those of them that are empty.
     fn empty(&self, tile: u32) -> f64 {
-        let places = f64::from(self.tree.nodes[tile as usize].area()) * DEPTH as f64;
-        places - f64::from(self.tree.sums(tile).count)
+        self.places(tile) - f64::from(self.tree.sums(tile).count)
     }
 
     fn terms(&self, tile: u32, config: &Config) -> Terms {
-        let places = f64::from(self.tree.nodes[tile as usize].area()) * DEPTH as f64;
         let Some(known) = self.tree.known(tile) else {
             return [0.0; 3];
         };
@@ -157,7 +163,7 @@ impl Tiling {
         [
             known.variance(),
             error::undersampling(self.empty(tile), self.norms.empty, config.undersampled),
-            error::occlusion(known.occluded_share(), count, places),
+            error::occlusion(known.occluded_share(), count, self.places(tile)),
         ]
     }
 

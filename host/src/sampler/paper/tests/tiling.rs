@@ -3,7 +3,7 @@
 use glam::Vec2;
 
 use super::super::Config;
-use super::super::buffer::{DEPTH, DeepBuffer};
+use super::super::buffer::DeepBuffer;
 use super::super::crosshair::{Crosshair, Initial};
 use super::super::tiling::Tiling;
 use super::super::tree::{Entry, NONE, Sums, Tree};
@@ -79,7 +79,7 @@ fn tiling_and_sums_hold_under_a_hundred_thousand_operations() {
     let mut random = Random::new(17);
     let tree = Tree::new(SIZE, config.decline);
     let mut tiling = Tiling::new(tree, &config);
-    let mut buffer = DeepBuffer::new(SIZE.element_product() as usize);
+    let mut buffer = DeepBuffer::new(SIZE.element_product() as usize, config.depth);
     let (mut now, mut target) = (0.0, 100);
     for step in 0..100_000 {
         // In all 400 s, in which weights are rebased three times.
@@ -156,15 +156,15 @@ fn tiling_and_sums_hold_under_a_hundred_thousand_operations() {
 
 #[test]
 fn queues_hold_four_and_forget_the_oldest() {
-    let mut buffer = DeepBuffer::new(2);
+    let mut buffer = DeepBuffer::new(2, 4);
     let at = |time: f64| Crosshair {
         time,
         pixel: 1,
         ..crosshair(&mut Random::new(1), 0.0)
     };
     let times = |buffer: &DeepBuffer| -> Vec<f64> { buffer.queue(1).map(|c| c.time).collect() };
-    for time in 1..=DEPTH {
-        assert_eq!(buffer.push_front(at(time as f64)), None);
+    for time in 1..=4 {
+        assert_eq!(buffer.push_front(at(f64::from(time))), None);
     }
     assert_eq!(buffer.push_front(at(9.0)), Some(at(1.0)));
     assert_eq!(times(&buffer), [9.0, 4.0, 3.0, 2.0]);
@@ -182,6 +182,35 @@ fn queues_hold_four_and_forget_the_oldest() {
     assert_eq!(buffer.remove(&at(3.0)), None);
     assert_eq!((times(&buffer), buffer.len()), (vec![4.0, 2.5, 9.0], 3));
     assert_eq!(buffer.queue(0).count(), 0);
+}
+
+#[test]
+fn a_queue_is_as_deep_as_it_is_told_to_be() {
+    let at = |time: f64, pixel| Crosshair {
+        time,
+        pixel,
+        ..crosshair(&mut Random::new(1), 0.0)
+    };
+    for depth in [0, 1, 3, 8] {
+        let places = usize::from(depth.max(1));
+        let mut buffer = DeepBuffer::new(3, depth);
+        for time in 0..20 {
+            for pixel in 0..3 {
+                let out = buffer.push_front(at(f64::from(time), pixel));
+                assert_eq!(out.is_some(), time as usize >= places, "{depth}");
+            }
+        }
+        assert_eq!(buffer.len(), 3 * places);
+        for pixel in 0..3 {
+            let times: Vec<f64> = buffer.queue(pixel).map(|c| c.time).collect();
+            let newest: Vec<f64> = (0..20).rev().take(places).map(f64::from).collect();
+            assert_eq!(times, newest, "{depth}");
+        }
+        assert_eq!(buffer.push_back(at(0.5, 1)), Some(at(0.5, 1)));
+        assert!(buffer.pop_front(1).is_some());
+        assert_eq!(buffer.push_back(at(0.5, 1)), None);
+        assert_eq!(buffer.queue(0).chain(buffer.queue(2)).count(), 2 * places);
+    }
 }
 
 #[test]
