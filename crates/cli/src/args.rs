@@ -55,6 +55,9 @@ pub struct EffectsArgs {
     /// Frames that are timed, after one that is not; the quickest counts.
     #[arg(long, default_value_t = 5)]
     pub frames: u32,
+    /// Side of the interleaving pattern, pixels, odd: 9 samples a pixel at most, whatever it is.
+    #[arg(long, default_value_t = unframed_host::effects::framed::SIDE, value_parser = parse_odd)]
+    pub pattern: u32,
     /// The instant of the animation, seconds.
     #[arg(long, default_value_t = 1.0)]
     pub at: f64,
@@ -400,6 +403,13 @@ fn parse_rate(text: &str) -> Result<u32, String> {
         Ok(value as u32)
     } else {
         Err(format!("`{text}` is out of range: 1 to 100m"))
+    }
+}
+
+fn parse_odd(text: &str) -> Result<u32, String> {
+    match text.parse() {
+        Ok(side @ 1..=15) if side % 2 == 1 => Ok(side),
+        _ => Err(format!("`{text}` is not an odd number from 1 to 15")),
     }
 }
 

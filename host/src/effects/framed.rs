@@ -12,9 +12,7 @@ use super::vpl;
 use crate::trace::{Rays, World};
 
 /// Side of the interleaving pattern, pixels (§4.2).
-pub(crate) const SIDE: u32 = 3;
-/// Pixels of a pattern.
-const PIXELS: u32 = SIDE * SIDE;
+pub const SIDE: u32 = 3;
 /// Most samples of a component a pixel (§4.2).
 pub const MOST: u32 = 9;
 /// Paths of virtual point lights in a frame: about the 256 lights of §4.2.
@@ -70,6 +68,14 @@ pub struct Frame {
 
 /// Renders the instant `t`, seconds; the world's prepared epoch is `t` afterwards.
 pub fn render(world: &mut World, t: f64, refinement: Refinement) -> Frame {
+    render_with(world, t, refinement, SIDE)
+}
+
+/// The same with a pattern of another side, pixels. The filter's box is as large and has its pixel
+/// in the middle, so the side is odd: what is even counts as one more, 0 as 1.
+pub fn render_with(world: &mut World, t: f64, refinement: Refinement, side: u32) -> Frame {
+    let side = side | 1;
+    let pixels = side * side;
     world.prepare(t, t);
     let moment = world.moment(t);
     let [width, height] = world.size();
@@ -85,7 +91,7 @@ pub fn render(world: &mut World, t: f64, refinement: Refinement) -> Frame {
     let (mut light, hard_rays): (Vec<Vec3>, Vec<u32>) = seen.par_iter().map(hard).unzip();
     rays.shadow += hard_rays.iter().sum::<u32>();
     let mut layers = Vec::new();
-    let sets = Sets::new(PIXELS, MOST);
+    let sets = Sets::new(pixels, MOST);
     if moment.area_lamps().next().is_some() {
         let soft = SoftShadows {
             moment: &moment,
@@ -95,11 +101,12 @@ pub fn render(world: &mut World, t: f64, refinement: Refinement) -> Frame {
         let canvas = Canvas {
             seen: &seen,
             width,
+            side,
             known: &known,
         };
         let name = "soft_shadows";
         let (found, layer) = interleave(&soft, name, &canvas, refinement, 0, &mut rays);
-        add(&mut light, &filtered(&found, &seen, width));
+        add(&mut light, &filtered(&found, &seen, width, side));
         layers.push(layer);
     }
     if moment.indirect() {
@@ -109,7 +116,7 @@ pub fn render(world: &mut World, t: f64, refinement: Refinement) -> Frame {
         let indirect = Indirect {
             moment: &moment,
             vpls: &vpls,
-            subsets: PIXELS,
+            subsets: pixels,
             corrections: CORRECTIONS,
         };
         let half = [width.div_ceil(2), height.div_ceil(2)];
@@ -121,11 +128,12 @@ pub fn render(world: &mut World, t: f64, refinement: Refinement) -> Frame {
         let canvas = Canvas {
             seen: &few,
             width: half[0],
+            side,
             known: &known,
         };
         let name = "indirect_diffuse";
         let (found, layer) = interleave(&indirect, name, &canvas, refinement, 1, &mut rays);
-        let found = filtered(&found, &few, half[0]);
+        let found = filtered(&found, &few, half[0], side);
         add(&mut light, &upsampled(&found, &few, half[0], &seen, width));
         layers.push(layer);
     }
@@ -134,7 +142,7 @@ pub fn render(world: &mut World, t: f64, refinement: Refinement) -> Frame {
         let haze = Haze {
             moment: &moment,
             sets: &sets,
-            pattern: [PIXELS, MOST],
+            pattern: [pixels, MOST],
         };
         for (sum, at) in light.iter_mut().zip(&seen) {
             *sum *= medium.between(at.eye, at.direction, at.distance);
@@ -142,10 +150,11 @@ pub fn render(world: &mut World, t: f64, refinement: Refinement) -> Frame {
         let canvas = Canvas {
             seen: &seen,
             width,
+            side,
             known: &light,
         };
         let (found, layer) = interleave(&haze, "medium", &canvas, refinement, 2, &mut rays);
-        add(&mut light, &filtered(&found, &seen, width));
+        add(&mut light, &filtered(&found, &seen, width, side));
         layers.push(layer);
     }
     Frame {
@@ -209,9 +218,9 @@ fn add(sum: &mut [Vec3], more: &[Vec3]) {
 
 /// The discontinuity buffer: a box of the pattern's size over pixels that are alike. Any such
 /// box holds each pixel of the pattern once.
-fn filtered(light: &[Vec3], seen: &[Deferred], width: u32) -> Vec<Vec3> {
+fn filtered(light: &[Vec3], seen: &[Deferred], width: u32, side: u32) -> Vec<Vec3> {
     let (w, h) = (width as i32, seen.len() as i32 / width as i32);
-    let reach = SIDE as i32 / 2;
+    let reach = side as i32 / 2;
     let at = |i: usize| {
         let (x, y) = (i as i32 % w, i as i32 / w);
         let (mut sum, mut n) = (Vec3::ZERO, 0.0);

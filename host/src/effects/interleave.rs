@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::components::{Component, Told};
 use super::deferred::Deferred;
-use super::framed::{Layer, MOST, Refinement, SIDE};
+use super::framed::{Layer, MOST, Refinement};
 use crate::trace::Rays;
 
 /// The squared error that is left alone, displayed levels; the numbers for others are in
@@ -19,6 +19,8 @@ pub(crate) struct Canvas<'a> {
     pub(crate) seen: &'a [Deferred],
     /// Pixels in a row.
     pub(crate) width: u32,
+    /// Side of the pattern, pixels.
+    pub(crate) side: u32,
     /// Light that is known without the component, as it leaves towards the eye.
     pub(crate) known: &'a [Vec3],
 }
@@ -33,11 +35,13 @@ pub(crate) fn interleave(
     which: usize,
     rays: &mut Rays,
 ) -> (Vec<Vec3>, Layer) {
-    let Canvas { seen, width, .. } = *canvas;
+    let Canvas {
+        seen, width, side, ..
+    } = *canvas;
     let place = |i: usize| [i as u32 % width, i as u32 / width];
     let member = |i: usize| {
         let [x, y] = place(i);
-        y % SIDE * SIDE + x % SIDE
+        y % side * side + x % side
     };
     let first: Vec<(Vec3, Told, Rays)> = (seen.par_iter().enumerate())
         .map(|(i, at)| {
@@ -46,7 +50,7 @@ pub(crate) fn interleave(
             (light, told, rays)
         })
         .collect();
-    let patterns = Patterns::new(seen.len(), width);
+    let patterns = Patterns::new(seen.len(), width, side);
     let sets: Vec<u32> = match refinement {
         Refinement::All => vec![MOST; patterns.len()],
         Refinement::Plain(n) => vec![n[which].clamp(1, MOST); patterns.len()],
@@ -89,7 +93,12 @@ fn noise(
     first: &[(Vec3, Told, Rays)],
     pixels: impl Iterator<Item = usize>,
 ) -> f32 {
-    let Canvas { seen, width, known } = *canvas;
+    let Canvas {
+        seen,
+        width,
+        side,
+        known,
+    } = *canvas;
     let (mut squares, mut pairs) = (0.0f32, 0.0f32);
     let mut count = 0.0f32;
     for i in pixels {
@@ -108,7 +117,7 @@ fn noise(
     // A difference has twice the variance of a sample; the filter averages a whole pattern.
     let variance = squares / (2.0 * pairs.max(1.0));
     let left = component.left(pairs / (4.0 * count.max(1.0)));
-    variance * left / (SIDE * SIDE) as f32
+    variance * left / (side * side) as f32
 }
 
 /// The four neighbours of a pixel within the image.
@@ -141,6 +150,7 @@ fn slope(light: Vec3) -> f32 {
 
 /// The patterns of an image, row by row.
 struct Patterns {
+    side: u32,
     width: u32,
     height: u32,
     columns: u32,
@@ -148,13 +158,14 @@ struct Patterns {
 }
 
 impl Patterns {
-    fn new(pixels: usize, width: u32) -> Self {
+    fn new(pixels: usize, width: u32, side: u32) -> Self {
         let height = pixels as u32 / width;
         Self {
+            side,
             width,
             height,
-            columns: width.div_ceil(SIDE),
-            rows: height.div_ceil(SIDE),
+            columns: width.div_ceil(side),
+            rows: height.div_ceil(side),
         }
     }
 
@@ -164,7 +175,7 @@ impl Patterns {
 
     /// The pattern of a pixel.
     fn of(&self, [x, y]: [u32; 2]) -> usize {
-        (y / SIDE * self.columns + x / SIDE) as usize
+        (y / self.side * self.columns + x / self.side) as usize
     }
 
     /// Something of each pattern from its pixels, row by row.
@@ -175,9 +186,10 @@ impl Patterns {
         (0..self.columns * self.rows)
             .into_par_iter()
             .map(|pattern| {
-                let (left, top) = (pattern % self.columns * SIDE, pattern / self.columns * SIDE);
-                let right = (left + SIDE).min(self.width);
-                let bottom = (top + SIDE).min(self.height);
+                let side = self.side;
+                let (left, top) = (pattern % self.columns * side, pattern / self.columns * side);
+                let right = (left + side).min(self.width);
+                let bottom = (top + side).min(self.height);
                 let row = move |y: u32| (left..right).map(move |x| (y * self.width + x) as usize);
                 of(Box::new((top..bottom).flat_map(row)))
             })

@@ -275,6 +275,33 @@ fn a_furnace_glows_evenly() {
 }
 
 #[test]
+fn a_larger_pattern_shares_indirect_light_among_more_pixels() {
+    use super::framed::{Refinement, render, render_with};
+    let scene = builtin("cornell").expect("built in");
+    let mut world = World::new(scene, [48, 48]).expect("a sound scene");
+    let truth = super::reference::reference(&mut world, 0.0, 600);
+    let mut frame = |side| render_with(&mut world, 0.0, Refinement::Plain([1; 3]), side);
+    // An even side counts as one more.
+    let [one, two, three, five] = [1, 2, 3, 5].map(&mut frame);
+    assert_eq!(two.light, three.light);
+    let usual = render(&mut world, 0.0, Refinement::Plain([1; 3]));
+    assert_eq!(usual.light, three.light);
+    // With n² pixels each looks at every n²-th light: so many fewer rays, but for those of the
+    // correction near by; and the filter brings the others' share.
+    let rays = [&one, &three, &five].map(|f| f.rays.indirect as f32);
+    let errors = [&one, &three, &five].map(|f| apart(&f.light, &truth));
+    assert!(
+        rays[0] > 4.0 * rays[1] && rays[1] > 1.5 * rays[2],
+        "{rays:?}"
+    );
+    // Without neighbours all pixels see the lamp from one point; with many the box is too wide.
+    assert!(
+        errors[1] < errors[0] && errors[1] < errors[2] && errors[0] < 14.0,
+        "{errors:?}"
+    );
+}
+
+#[test]
 fn interleaving_comes_close_to_the_reference_and_refines_where_it_must() {
     use super::framed::{MOST, Refinement, render};
     for name in ["cornell", "forest", "cornell-mist"] {

@@ -12,7 +12,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 use serde_json::{Value, json};
-use unframed_host::effects::framed::{Frame, MOST, Refinement, render};
+use unframed_host::effects::framed::{Frame, MOST, Refinement, render_with};
 use unframed_host::effects::reference::reference;
 use unframed_host::scene::open;
 use unframed_host::trace::{World, srgb};
@@ -86,6 +86,7 @@ pub fn effects(args: &EffectsArgs) -> Result<()> {
     let report = json!({
         "size": [args.size.width, args.size.height],
         "reference_paths": args.reference,
+        "pattern": args.pattern,
         "scenes": rows,
         "against_all": means,
         "convergence": slopes,
@@ -197,11 +198,11 @@ fn timed(
     name: &'static str,
     refinement: Refinement,
 ) -> Found {
-    let mut frame = render(world, args.at, refinement);
+    let mut frame = render_with(world, args.at, refinement, args.pattern);
     let mut seconds = f64::INFINITY;
     for _ in 0..args.frames.max(1) {
         let clock = Instant::now();
-        frame = render(world, args.at, refinement);
+        frame = render_with(world, args.at, refinement, args.pattern);
         seconds = seconds.min(clock.elapsed().as_secs_f64());
     }
     Found {
