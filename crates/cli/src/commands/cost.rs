@@ -72,13 +72,15 @@ pub fn cost(args: &CostArgs) -> Result<()> {
         .iter()
         .map(|study| pool.install(|| study.run(&planned, &ideals, args.fresh, &progress)))
         .collect::<Result<Vec<_>>>()?;
-    let on_effects = if sweeps_all(args) {
+    let (on_effects, framed) = if sweeps_all(args) {
         let within = effects::within(args.size, args.seconds);
         let (study, planned) = (study(effects::SCENE, within, false)?, effects::sweep());
         let measured = pool.install(|| study.run(&planned, &ideals, args.fresh, &progress))?;
-        points(&planned, &[measured], study.pixels(), &|_| None)
+        let framed = pool.install(|| effects::framed(&study.world, threads))?;
+        let points = points(&planned, &[measured], study.pixels(), &|_| None);
+        (points, framed)
     } else {
-        Vec::new()
+        (Vec::new(), Vec::new())
     };
     progress.set_message("instructions");
     let laws = match &counted {
@@ -124,6 +126,7 @@ pub fn cost(args: &CostArgs) -> Result<()> {
     let found = Found {
         points: &points,
         on_effects: &on_effects,
+        framed: &framed,
         curves: &curves,
         adapter: adapter.as_ref(),
         answers: &answers,
@@ -300,6 +303,7 @@ fn write(args: &CostArgs, pixels: u32, found: &Found<'_>) -> Result<()> {
             "size": [size.width, size.height],
             "seconds": seconds,
             "points": found.on_effects,
+            "framed": found.framed,
         },
         "factor_per_decibel": factors,
         "scaling": found.curves,

@@ -7,7 +7,7 @@ use anyhow::Result;
 use super::adapter::{self, OnAdapter};
 use super::answer;
 use super::budget::Answer;
-use super::effects;
+use super::effects::{self, Framed};
 use super::formats::FORMATS;
 use super::knobs::{DEPTHS, Format, Knobs, MIDDLE};
 use super::point::ErrorParts;
@@ -24,6 +24,8 @@ pub struct Found<'a> {
     pub points: &'a [Point],
     /// Those on the scene of effects; none where they were not measured.
     pub on_effects: &'a [Point],
+    /// Whole frames of that scene.
+    pub framed: &'a [Framed],
     /// How cost grows.
     pub curves: &'a [Curve],
     /// The presets on a graphics adapter.
@@ -66,7 +68,7 @@ pub fn write(found: &Found<'_>, facts: &[(&str, String)], pixels: u32, dir: &Pat
         report.section(section);
     }
     if !on_effects.is_empty() {
-        report.section(effects::section(on_effects));
+        report.section(effects::section(on_effects, found.framed));
     }
     if !curves.is_empty() {
         let mut section = Section::new("How cost grows");

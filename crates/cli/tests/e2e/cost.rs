@@ -115,11 +115,19 @@ fn samplers_are_swept_and_effects_on_a_scene_of_their_own() {
         assert!(p.rays_per_second > 4.0 * f64::from(p.knobs.rate), "{p:#?}");
         assert!(p.error.is_none() && p.rmse > 0.5, "{p:#?}");
     }
+    let scene = builtin(effects::SCENE).unwrap();
+    let framed = effects::framed(&World::new(scene, [24, 24]).unwrap(), 2).unwrap();
+    let frames: Vec<_> = framed.iter().map(|f| (f.side, f.rays)).collect();
+    assert!(frames.windows(2).all(|w| w[0].0 < w[1].0), "{frames:?}");
+    // Larger patterns share the lights among more pixels.
+    assert!(frames.windows(2).all(|w| w[0].1 > w[1].1), "{frames:?}");
+    assert!(framed.iter().all(|f| f.rmse > 0.5 && f.rmse < 20.0));
     let random = &patterns[0];
     assert!(patterns[1..].iter().all(|p| p.rmse < 0.95 * random.rmse));
     let found = Found {
         points: &depths,
         on_effects: &patterns,
+        framed: &framed,
         curves: &[],
         adapter: None,
         answers: &[],
@@ -131,6 +139,7 @@ fn samplers_are_swept_and_effects_on_a_scene_of_their_own() {
         "side of the pattern",
         "pattern of 8 px",
         "random points",
+        "7 × 7",
     ] {
         assert!(page.contains(words), "{words}");
     }
