@@ -72,7 +72,7 @@ impl Default for Config {
             lifetimes: true,
             cuts: true,
             residual_memory: 0.15,
-            gradient_memory: 0.05,
+            gradient_memory: 0.025,
             residual_prior: 40.0,
             prior_weight: 0.5,
             residual_floor: 4.0,

@@ -179,6 +179,8 @@ impl Adaptive {
         let cell = &mut self.cells.pool[intent.cell as usize];
         cell.gradients[0] += dc2;
         cell.gradients[1] += dt * dt;
+        // Until the next warp sums the cells up.
+        self.lifetimes.add(lifetimes, [dc2, dt * dt]);
         cell.residuals[0] += 1.0;
         cell.residuals[1] += r2;
         self.learned.push(intent.tile);

@@ -58,6 +58,13 @@ impl Lifetimes {
         self.sums.fill([0.0; 2]);
     }
 
+    /// Multiplies the sums.
+    pub(super) fn fade(&mut self, factor: f32) {
+        for sums in &mut self.sums {
+            *sums = sums.map(|sum| sum * factor);
+        }
+    }
+
     pub(super) fn add(&mut self, tile: usize, gradients: [f32; 2]) {
         self.sums[tile][0] += gradients[0];
         self.sums[tile][1] += gradients[1];

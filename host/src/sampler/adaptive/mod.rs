@@ -5,7 +5,8 @@
 //!
 //! 1. **Warp** ([`cells`]): what is remembered, on a map of half the image's resolution, moves to
 //!    the view and the poses of mid-epoch.
-//! 2. **Lifetimes** ([`lifetime`]): verified samples say how fast light changes where.
+//! 2. **Lifetimes** ([`lifetime`]): verified samples say how fast light changes where, in every
+//!    epoch, warped or not: what became untrue at once is forgotten at once.
 //! 3. In batches of a few milliseconds: **allocate** ([`allocate`]) shots to 4×4-pixel tiles by
 //!    water-filling over residuals, **aim** at the next point of the tile, or, for a tenth
 //!    of the shots (a fortieth while nothing moves), look again at a place seen before; **trace**; **learn**: the difference
@@ -63,6 +64,8 @@ pub struct Adaptive {
     grid: Grid,
     cells: Cells,
     lifetimes: Lifetimes,
+    /// The instant for which they were solved, seconds.
+    solved: f64,
     projection: Projection,
     /// Whether nothing moved since that projection.
     still: bool,
@@ -161,6 +164,7 @@ impl Adaptive {
         Self {
             cells: Cells::new(size),
             lifetimes,
+            solved: f64::NAN,
             projection: Projection::new(f64::NAN),
             still: false,
             look_share: config.verify_share,
@@ -246,7 +250,10 @@ impl Sampler for Adaptive {
         self.alarm.set_rate(looks / span.length());
         if self.is_due(middle, eye) {
             self.warp(middle, eye);
+        } else {
+            self.fade_gradients(middle);
         }
+        self.solve(middle);
         self.stats.seconds[0] += begin.elapsed().as_secs_f64();
         let fade = (-span.length() as f32 / self.config.residual_memory).exp();
         self.rates.iter_mut().for_each(|rate| *rate *= fade);

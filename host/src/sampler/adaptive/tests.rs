@@ -257,6 +257,35 @@ fn the_memory_is_warped_where_something_moves() {
 }
 
 #[test]
+fn a_change_shortens_lifetimes_before_the_next_warp() {
+    let mut sampler = sampler();
+    // Of each fourth epoch one warps, the first of all and the 33rd.
+    work(&mut sampler, &Stage::new(SIZE), 0.0, 33.0 / 60.0);
+    let (warps, from) = (sampler.stats().warps, 33.0 / 60.0);
+    assert_eq!(warps, 9);
+    let mean = |sampler: &Adaptive| {
+        let (grid, tau) = sampler.lifetimes();
+        let centre =
+            |i: u32| (UVec2::new(i % grid.x, i / grid.x) * lifetime::TILE * SIDE).as_vec2();
+        let panel: Vec<f32> = (0..grid.element_product())
+            .filter(|&i| on_panel(centre(i) + 4.0, SIZE, 4.0))
+            .map(|i| tau[i as usize])
+            .collect();
+        panel.iter().sum::<f32>() / panel.len() as f32
+    };
+    assert!(mean(&sampler) > 0.9, "{}", mean(&sampler));
+    // The panel is 50 levels brighter at once.
+    let changed = Stage {
+        panel_rate: (50.0 / from) as f32,
+        ..Stage::new(SIZE)
+    };
+    work(&mut sampler, &changed, from, 3.0 / 60.0);
+    assert_eq!(sampler.stats().warps, warps);
+    assert_eq!(sampler.stats().cuts, 0);
+    assert!(mean(&sampler) < 0.3, "{}", mean(&sampler));
+}
+
+#[test]
 fn errors_that_are_kept_are_those_of_the_tiles() {
     let stage = Stage {
         disc_speed: 1.0,

@@ -84,8 +84,21 @@ impl Adaptive {
             lifetimes[grid.of(pixel)] as usize
         });
         self.sum();
-        if c.balanced {
-            self.noise.clear();
+    }
+
+    /// Time passes over the gradients of a map that stays where it is.
+    pub(super) fn fade_gradients(&mut self, time: f64) {
+        let step = (time - self.solved) as f32;
+        self.lifetimes
+            .fade((-step / self.config.gradient_memory).exp());
+    }
+
+    /// Finds the lifetimes of an instant.
+    pub(super) fn solve(&mut self, time: f64) {
+        let step = (time - self.solved) as f32;
+        self.solved = time;
+        self.noise.clear();
+        if self.config.balanced {
             let grid = self.lifetimes.grid;
             for at in (0..grid.y).flat_map(|y| (0..grid.x).map(move |x| UVec2::new(x, y))) {
                 self.noise.push(self.noise(at));
