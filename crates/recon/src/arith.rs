@@ -199,8 +199,13 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
     /// log2 of an age given in microseconds, in seconds.
     fn log_of_age(age: u32) -> Self::Log;
 
-    /// Weight of a sample of an age.
-    fn decline(kernel: TimeKernel, age: Self::Log, lifetime: Self::Log) -> Self::Weight;
+    /// Weight of a sample of an age, less `cutoff` (15 fractional bits), and never below 0.
+    fn decline(
+        kernel: TimeKernel,
+        cutoff: u16,
+        age: Self::Log,
+        lifetime: Self::Log,
+    ) -> Self::Weight;
 
     /// Whether a weight counts at all.
     fn counts(weight: Self::Weight) -> bool;

@@ -81,6 +81,9 @@ pub struct Config {
     pub lifetime: Lifetime,
     /// How weight declines with age.
     pub kernel: TimeKernel,
+    /// What is taken off every weight, 15 fractional bits, so that it ends: a sample whose decline
+    /// is no more does not count at all. 0 keeps the tails of the kernels.
+    pub cutoff: u16,
     /// What is fitted.
     pub fit: Fit,
     /// Whether pixels with little weight are filled from around (pull-push).
@@ -112,6 +115,7 @@ impl Config {
         extents: Extents::Density,
         lifetime: Lifetime::Tiles,
         kernel: TimeKernel::Rational,
+        cutoff: 1 << 7,
         fit: Fit::Linear,
         fill: true,
         light: Light::Linear,
@@ -131,6 +135,7 @@ impl Config {
         extents: Extents::Constant(-189),
         lifetime: Lifetime::Constant(-512),
         kernel: TimeKernel::Gaussian,
+        cutoff: 0,
         fit: Fit::Constant,
         rest: false,
         ..Self::ADAPTIVE
@@ -142,6 +147,7 @@ impl Config {
         extents: Extents::Gradient,
         lifetime: Lifetime::Gradient,
         kernel: TimeKernel::Gaussian,
+        cutoff: 0,
         fit: Fit::Constant,
         rest: false,
         ..Self::ADAPTIVE

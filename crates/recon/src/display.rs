@@ -361,14 +361,20 @@ impl<'a, A: Arith, W: Workers> Display<'a, A, W> {
             self.motion.refresh(refresh.time, view, self.slots);
         }
         if step != Step::Average {
-            let reach = self.reach();
-            self.filter(refresh.time, &reach);
-            if self.config.fill {
-                let (width, height) = (self.panel.width.into(), self.panel.height.into());
-                fill::fill(width, height, self.texels, self.pyramid, &self.workers);
-            }
-            self.encode();
+            let workers = self.workers.clone();
+            workers.together(|| self.show(refresh.time));
         }
+    }
+
+    /// From what is stored to the picture.
+    fn show(&mut self, now: Tick) {
+        let reach = self.reach();
+        self.filter(now, &reach);
+        if self.config.fill {
+            let (width, height) = (self.panel.width.into(), self.panel.height.into());
+            fill::fill(width, height, self.texels, self.pyramid, &self.workers);
+        }
+        self.encode();
     }
 
     /// What is to be done, and the means brought up to date.

@@ -13,7 +13,7 @@ const LEAST_TEMPORAL: i32 = -1445;
 /// Temporal extents from 10 ms …
 const SHORTEST: i32 = -1701;
 /// … to 1 s.
-const LONGEST: i32 = 0;
+pub const LONGEST: i16 = 0;
 /// Spatial extents from 0.35 px …
 const NARROWEST: i32 = -388;
 /// … to 3 px.
@@ -28,7 +28,7 @@ pub fn extents(gx: i32, gy: i32, gt: i32, density: i32) -> (i32, i32, i32) {
     let gy = gy.max(LEAST_SPATIAL);
     let gt = gt.max(LEAST_TEMPORAL);
     let volume = -density;
-    let et = ((volume + gx + gy - 2 * gt) / 3).clamp(SHORTEST, LONGEST);
+    let et = ((volume + gx + gy - 2 * gt) / 3).clamp(SHORTEST, LONGEST.into());
     // The rest, V/e_t, is an area with e_x·G_x = e_y·G_y.
     let area = volume - et;
     let ex = ((area + gy - gx) / 2).clamp(NARROWEST, WIDEST);
@@ -55,7 +55,7 @@ mod tests {
         ) {
             let (ex, ey, et) = extents(gx, gy, gt, density);
             let inside = |v: i32, a: i32, b: i32| v > a && v < b;
-            if inside(ex, NARROWEST, WIDEST) && inside(ey, NARROWEST, WIDEST) && inside(et, SHORTEST, LONGEST) {
+            if inside(ex, NARROWEST, WIDEST) && inside(ey, NARROWEST, WIDEST) && inside(et, SHORTEST, LONGEST.into()) {
                 prop_assert!((ex + ey + et + density).abs() <= 3);
                 prop_assert!((ex + gx - ey - gy).abs() <= 3);
                 prop_assert!((et + gt - ex - gx).abs() <= 4);
@@ -67,7 +67,7 @@ mod tests {
             let (ex, ey, et) = extents(gx.into(), gy.into(), gt.into(), density.into());
             prop_assert!((NARROWEST..=WIDEST).contains(&ex));
             prop_assert!((NARROWEST..=WIDEST).contains(&ey));
-            prop_assert!((SHORTEST..=LONGEST).contains(&et));
+            prop_assert!((SHORTEST..=LONGEST.into()).contains(&et));
         }
     }
 

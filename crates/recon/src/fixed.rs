@@ -193,7 +193,7 @@ impl Arith for Fixed {
     }
 
     #[inline]
-    fn decline(kernel: TimeKernel, age: i32, lifetime: i32) -> u16 {
+    fn decline(kernel: TimeKernel, cutoff: u16, age: i32, lifetime: i32) -> u16 {
         let table = match kernel {
             TimeKernel::Rational => &TIME[0],
             TimeKernel::Gaussian => &TIME[1],
@@ -206,7 +206,11 @@ impl Arith for Fixed {
         let (a, b) = (table[at], table[at + 1]);
         // Declining: a ≥ b.
         let weight = a - (((a - b) * (u & 7) as u16 + 4) >> 3);
-        if u >> 3 > last { 0 } else { weight }
+        if u >> 3 > last {
+            0
+        } else {
+            weight.saturating_sub(cutoff)
+        }
     }
 
     #[inline]

@@ -147,17 +147,18 @@ macro_rules! float_arith {
                 $log2(age as $float * 1e-6)
             }
 
-            fn decline(kernel: TimeKernel, age: $float, lifetime: $float) -> $float {
+            fn decline(kernel: TimeKernel, cutoff: u16, age: $float, lifetime: $float) -> $float {
                 let u = $exp2(age - lifetime);
                 if u >= 16.0 {
                     return 0.0;
                 }
                 let square = u * u;
-                match kernel {
+                let weight = match kernel {
                     TimeKernel::Rational => 1.0 / (1.0 + square + square * square),
                     TimeKernel::Gaussian => $exp(-0.5 * square),
                     TimeKernel::Exponential => $exp(-u),
-                }
+                };
+                (weight - <$float>::from(cutoff) / 32768.0).max(0.0)
             }
 
             fn counts(weight: $float) -> bool {

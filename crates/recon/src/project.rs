@@ -4,6 +4,7 @@ use crate::arith::{Arith, Panel, Projected};
 use crate::bins::{self, Grid};
 use crate::config::{Config, Lifetime};
 use crate::deep::{Placing, Stored, age, slot};
+use crate::extents;
 use crate::memory::Slot;
 use crate::motion::Past;
 use crate::tiles::TileMap;
@@ -77,6 +78,7 @@ impl<A: Arith> Instant<'_, A> {
         starts: &mut [u32],
     ) -> usize {
         starts.fill(0);
+        let longest = self.longest();
         let mut len = 0;
         let mut places = [(<_>::default(), <_>::default(), <_>::default(), 0); BLOCK];
         let mut rest = samples;
@@ -91,6 +93,9 @@ impl<A: Arith> Instant<'_, A> {
                 }
                 continue;
             };
+            if !A::counts(self.decline(age.log, longest)) {
+                continue;
+            }
             let seen = self.places(placing, block, &mut places);
             for (x, y, depth, index) in places.iter().take(seen) {
                 let Some(sample) = block.get(*index) else {
@@ -146,6 +151,22 @@ impl<A: Arith> Instant<'_, A> {
         len
     }
 
+    /// No lifetime is longer: what is too old for this one counts nowhere, and nobody need ask
+    /// where it is.
+    fn longest(&self) -> A::Log {
+        A::log(match self.config.lifetime {
+            Lifetime::Constant(log) => log,
+            Lifetime::Tiles => self.tiles.longest().log2_q8() as i16,
+            Lifetime::Gradient => extents::LONGEST,
+        })
+    }
+
+    /// The weight at an age.
+    #[inline]
+    fn decline(&self, age: A::Log, lifetime: A::Log) -> A::Weight {
+        A::decline(self.config.kernel, self.config.cutoff, age, lifetime)
+    }
+
     /// `None` where it is too old to be told from a young one.
     pub(crate) fn age(&self, time: u32) -> Option<Age<A>> {
         let age = age(time, self.now)?;
@@ -172,7 +193,7 @@ impl<A: Arith> Instant<'_, A> {
             x,
             y,
             depth,
-            weight: A::decline(self.config.kernel, age.log, lifetime),
+            weight: self.decline(age.log, lifetime),
             rgb: sample.rgb,
             // A sample of a moving object may itself have moved behind something.
             past: age.past.moving(sample.slot > slot(0)),

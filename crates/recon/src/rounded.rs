@@ -147,8 +147,8 @@ impl<B: Bits> Arith for Rounded<B> {
         round(f64::log_of_age(age), B::AGE)
     }
 
-    fn decline(kernel: TimeKernel, age: f64, lifetime: f64) -> f64 {
-        round(f64::decline(kernel, age, lifetime), B::WEIGHT)
+    fn decline(kernel: TimeKernel, cutoff: u16, age: f64, lifetime: f64) -> f64 {
+        round(f64::decline(kernel, cutoff, age, lifetime), B::WEIGHT)
     }
 
     fn counts(weight: f64) -> bool {

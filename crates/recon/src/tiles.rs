@@ -127,6 +127,13 @@ impl<'a> TileMap<'a> {
         }
     }
 
+    /// The longest lifetime that samples are weighed by anywhere.
+    #[must_use]
+    pub fn longest(&self) -> LogCode {
+        let lifetimes = self.cells.iter().map(Cell::weighed);
+        lifetimes.max().unwrap_or_default()
+    }
+
     /// Whether nothing changes in any tile.
     #[must_use]
     pub fn rests(&self) -> bool {

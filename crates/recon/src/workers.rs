@@ -7,12 +7,18 @@
 pub const MAX_PARTS: usize = 8;
 
 /// Does independent pieces of work.
-pub trait Workers: core::fmt::Debug {
+pub trait Workers: Clone + Send + Sync + core::fmt::Debug {
     /// Pieces worth making: 1 to [`MAX_PARTS`].
     fn parts(&self) -> usize;
 
     /// Does `work` on every part, and returns when all are done.
     fn each<T: Send>(&self, parts: &mut [T], work: impl Fn(&mut T) + Sync);
+
+    /// Does `work`, which calls [`Workers::each`] often: workers may wait for it in one place
+    /// rather than meet anew each time.
+    fn together<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+        work()
+    }
 }
 
 /// The thread that asks does all itself.
@@ -31,9 +37,9 @@ impl Workers for Alone {
 
 /// A pool of threads.
 #[cfg(feature = "threads")]
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Threads {
-    pool: rayon::ThreadPool,
+    pool: alloc::sync::Arc<rayon::ThreadPool>,
     parts: usize,
 }
 
@@ -46,7 +52,10 @@ impl Threads {
     pub fn new(threads: usize) -> Result<Self, rayon::ThreadPoolBuildError> {
         let parts = threads.clamp(1, MAX_PARTS);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(parts).build()?;
-        Ok(Self { pool, parts })
+        Ok(Self {
+            pool: alloc::sync::Arc::new(pool),
+            parts,
+        })
     }
 }
 
@@ -63,6 +72,10 @@ impl Workers for Threads {
         } else {
             self.pool.install(|| parts.par_iter_mut().for_each(&work));
         }
+    }
+
+    fn together<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+        self.pool.install(work)
     }
 }
 

@@ -223,11 +223,11 @@ proptest! {
 
     /// Weights in time: the table's rounding, that between its entries, and the chord.
     #[test]
-    fn decline(log in -10 * 2048i32..6 * 2048, lifetime in -30_000i32..30_000) {
+    fn decline(log in -10 * 2048i32..6 * 2048, lifetime in -30_000i32..30_000, cutoff in 0u16..=32_768) {
         for kernel in [TimeKernel::Rational, TimeKernel::Gaussian, TimeKernel::Exponential] {
             let age = lifetime + log;
-            let exact = f64::decline(kernel, f64::from(age) / 2048.0, f64::from(lifetime) / 2048.0);
-            let error = (f64::from(Fixed::decline(kernel, age, lifetime)) - exact * ONE).abs();
+            let exact = f64::decline(kernel, cutoff, f64::from(age) / 2048.0, f64::from(lifetime) / 2048.0);
+            let error = (f64::from(Fixed::decline(kernel, cutoff, age, lifetime)) - exact * ONE).abs();
             // Younger than 2^-8 lifetimes all are as if they were that old.
             let young = matches!(kernel, TimeKernel::Exponential) && log < -8 * 2048;
             if !young { TIME.see("weight, 2^-15", error); }

@@ -69,7 +69,7 @@ fn structs_lie_as_the_shaders_read_them() {
             hidden,
             encoded,
             averages,
-            padding
+            cutoff
         ]
     );
     same_layout!(&AVERAGE, Fresh, [first, count, padding]);

@@ -26,7 +26,7 @@ pub(crate) struct Params {
     pub(crate) hidden: u32,
     pub(crate) encoded: u32,
     pub(crate) averages: u32,
-    pub(crate) padding: u32,
+    pub(crate) cutoff: u32,
 }
 
 impl Params {
@@ -59,7 +59,7 @@ impl Params {
             hidden: config.hidden.into(),
             encoded: (config.light == Light::Encoded).into(),
             averages: config.averages().into(),
-            padding: 0,
+            cutoff: config.cutoff.into(),
         }
     }
 }

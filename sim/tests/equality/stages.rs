@@ -238,7 +238,12 @@ fn project(
             x,
             y,
             depth,
-            weight: Fixed::decline(config.kernel, Fixed::log_of_age(age), lifetime),
+            weight: Fixed::decline(
+                config.kernel,
+                config.cutoff,
+                Fixed::log_of_age(age),
+                lifetime,
+            ),
             rgb: sample.rgb,
             past: Past::new(age, sample.slot > slot(0)),
         };

@@ -7,9 +7,10 @@ use core::fmt;
 impl Config {
     /// Reads what [`fmt::Display`] writes: a name, then `KNOB=VALUE` after commas, any number in
     /// any order. `fit`: mean, plane; `hidden`, `fill`, `rest`, `reproject`: on, off; `light`:
-    /// linear, encoded; `kernel`: rational, gaussian, exponential; `width`: density, gradient, or
-    /// log2 of σ in pixels with 8 fractional bits; `lifetime`: tiles, gradient, or log2 of seconds
-    /// with 8 fractional bits. `None` where a word is not understood.
+    /// linear, encoded; `kernel`: rational, gaussian, exponential; `cutoff`: a weight with 15
+    /// fractional bits, below one; `width`: density, gradient, or log2 of σ in pixels with 8
+    /// fractional bits; `lifetime`: tiles, gradient, or log2 of seconds with 8 fractional bits.
+    /// `None` where a word is not understood.
     #[must_use]
     pub fn parse(text: &[u8]) -> Option<Self> {
         let mut words = text.split(|byte| *byte == b',');
@@ -46,6 +47,7 @@ impl Config {
                         _ => return None,
                     }
                 }
+                b"cutoff" => config.cutoff = integer(value)?.try_into().ok()?,
                 b"width" => {
                     config.extents = match value {
                         b"density" => Extents::Density,
@@ -129,6 +131,9 @@ impl fmt::Display for Config {
             };
             write!(f, ",kernel={kernel}")?;
         }
+        if self.cutoff != base.cutoff {
+            write!(f, ",cutoff={}", self.cutoff)?;
+        }
         if self.extents != base.extents {
             match self.extents {
                 Extents::Density => f.write_str(",width=density")?,
@@ -157,7 +162,7 @@ mod tests {
     fn all() -> Vec<Config> {
         let mut all: Vec<Config> = NAMED.iter().map(|named| named.1).collect();
         let mut config = Config::ADAPTIVE;
-        let knobs: [fn(&mut Config); 14] = [
+        let knobs: [fn(&mut Config); 16] = [
             |c| c.fit = Fit::Constant,
             |c| c.hidden = false,
             |c| c.fill = false,
@@ -166,6 +171,8 @@ mod tests {
             |c| c.light = Light::Encoded,
             |c| c.kernel = TimeKernel::Gaussian,
             |c| c.kernel = TimeKernel::Exponential,
+            |c| c.cutoff = 0,
+            |c| c.cutoff = 32_767,
             |c| c.extents = Extents::Gradient,
             |c| c.extents = Extents::Constant(i16::MIN),
             |c| c.extents = Extents::Constant(i16::MAX),
@@ -205,6 +212,8 @@ mod tests {
             "adaptive,hidden=yes",
             "adaptive,width=40000",
             "adaptive,width=-",
+            "adaptive,cutoff=-1",
+            "adaptive,cutoff=32768",
             "adaptive,width=1.5",
             "adaptive,fit=mean,fit",
             "adaptive fit=mean",

@@ -26,7 +26,7 @@ struct Params {
     encoded: u32,
     // Whether means are kept for what rests.
     averages: u32,
-    padding: u32,
+    cutoff: u32,
 }
 
 // The arrays of unframed_recon::tables; twin of Tables in tables.rs. Those between whose entries

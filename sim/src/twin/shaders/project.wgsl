@@ -126,7 +126,8 @@ fn decline(age: u32, lifetime: i32) -> u32 {
     if chord >= TIME_CHORDS { return 0u; }
     let a = low16(tables.time[chord]);
     let b = tables.time[chord] >> 16u;
-    return a - (((a - b) * (u & 7u) + 4u) >> 3u);
+    let weight = a - (((a - b) * (u & 7u) + 4u) >> 3u);
+    return max(weight, params.cutoff) - params.cutoff;
 }
 
 @compute @workgroup_size(64)
