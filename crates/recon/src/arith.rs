@@ -120,10 +120,8 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
     type Weight: Copy + Default + PartialOrd + Send + Sync + core::fmt::Debug;
     /// A sum of weights around a pixel.
     type Mass: Copy + Default + Send + Sync + core::fmt::Debug;
-    /// log2 of a positive quantity.
+    /// log2 of an age or lifetime in seconds, or of a filter width: σ in pixels.
     type Log: Copy + Default + Send + Sync + core::fmt::Debug;
-    /// A filter width: log2 of σ in pixels.
-    type Width: Copy + Default + Send + Sync + core::fmt::Debug;
     /// A sum of products, one of the pixel's.
     type Sum: Copy + Default + Send + Sync + core::fmt::Debug;
     /// What a sample adds to a pixel's sums and moments, but for its weight there.
@@ -172,6 +170,9 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
     /// The pixel of a coordinate, −[`GUARD`] and up.
     fn pixel(panel: &Panel, v: Self::Coord) -> i32;
 
+    /// The coordinate of the middle of a pixel of the panel.
+    fn centre(panel: &Panel, pixel: i32) -> Self::Coord;
+
     /// Depth made farther by the tolerance of the hidden-point test at cells of `cell` pixels
     /// (1, 2 or 32): a factor of 1 + 0.05·cell.
     fn behind(depth: Self::Depth, cell: u32) -> Self::Depth;
@@ -184,6 +185,14 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
     /// [`crate::tiles::LONGEST`].
     fn lifetime(map: &TileMap<'_>, panel: &Panel, x: Self::Coord, y: Self::Coord) -> Self::Log;
 
+    /// The lifetimes in the middles of a row's pixels, from the first on.
+    fn lifetimes(map: &TileMap<'_>, panel: &Panel, row: usize, out: &mut [Self::Log]) {
+        let y = Self::centre(panel, row as i32);
+        for (x, out) in (0..).zip(out) {
+            *out = Self::lifetime(map, panel, Self::centre(panel, x), y);
+        }
+    }
+
     /// A log quantity given with 8 fractional bits.
     fn log(q8: i16) -> Self::Log;
 
@@ -194,7 +203,7 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
         panel: &Panel,
         x: Self::Coord,
         y: Self::Coord,
-    ) -> (Self::Log, Self::Width, Self::Width);
+    ) -> (Self::Log, Self::Log, Self::Log);
 
     /// log2 of an age given in microseconds, in seconds.
     fn log_of_age(age: u32) -> Self::Log;
@@ -218,14 +227,14 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
 
     /// The filter width for a mass in 5 × 5 pixels: σ = 0.55·5/√mass, from
     /// [`crate::taps::LEAST`] to [`crate::taps::MOST`].
-    fn width_of(mass: Self::Mass) -> Self::Width;
+    fn width_of(mass: Self::Mass) -> Self::Log;
 
     /// A filter width given as log2 of σ in pixels with 8 fractional bits.
-    fn width(q8: i32) -> Self::Width;
+    fn width(q8: i32) -> Self::Log;
 
     /// Filter taps of a width along an axis for a sample at coordinate `v`: e^(−d²/2σ²) − e^(−4.5)
     /// at the distances from the pixels' centres, zero beyond 3 σ and beyond [`REACH`].
-    fn taps(panel: &Panel, width: Self::Width, v: Self::Coord) -> Taps<Self::Weight>;
+    fn taps(panel: &Panel, width: Self::Log, v: Self::Coord) -> Taps<Self::Weight>;
 
     /// Product of weights.
     fn times(a: Self::Weight, b: Self::Weight) -> Self::Weight;

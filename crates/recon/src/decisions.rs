@@ -28,7 +28,7 @@ pub struct Decision<A: Arith> {
     /// Whether it was hidden.
     pub hidden: bool,
     /// Its filter widths in x and y.
-    pub widths: [A::Width; 2],
+    pub widths: [A::Log; 2],
 }
 
 impl<A: Arith, W: Workers> Display<'_, A, W> {
@@ -45,6 +45,7 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
                 panel: &self.panel,
                 tiles: &self.tiles,
                 slots: self.slots,
+                lifetimes: &[],
                 now,
             };
             let age = instant.age(sample.time)?;
@@ -65,7 +66,7 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
                 near_mover: self.movers.get(pixel).is_some_and(|mover| *mover != 0),
                 hidden: tests && hidden::hides(&reach, self.limits, self.movers, pixel, &seen),
                 reach: [false, true].map(|near_mover| reach.of(seen.past, near_mover)),
-                widths: Widths::new(self.config.extents, self.widths, &self.tiles)
+                widths: Widths::new(self.config.extents, self.logs, &self.tiles)
                     .of(&self.panel, &seen),
             })
         })

@@ -7,7 +7,7 @@ use crate::lanes::{self, Factor, LANES, Pair};
 use crate::num::{Divider, log2_q11, mul_hi, normalise, reciprocal};
 use crate::tables::{TIME, TIME_FIRST, TIME_LEN};
 use crate::taps::{self, DISTANCE_BITS, Taps};
-use crate::tiles::{CELL_BITS, Cell, TileMap};
+use crate::tiles::{CELL, CELL_BITS, Cell, TileMap};
 use crate::transform::Transform;
 use unframed_wire::{LogCode, Pose, View};
 
@@ -84,8 +84,7 @@ impl Arith for Fixed {
     type Depth = u16;
     type Weight = u16;
     type Mass = u32;
-    type Log = i32;
-    type Width = i16;
+    type Log = i16;
     type Sum = i64;
     type Features = [Pair; 8];
     type Factor = Factor;
@@ -150,6 +149,11 @@ impl Arith for Fixed {
     }
 
     #[inline]
+    fn centre(panel: &Panel, pixel: i32) -> u16 {
+        (((2 * (pixel + GUARD) + 1) << panel.frac_bits) >> 1) as u16
+    }
+
+    #[inline]
     fn behind(depth: u16, cell: u32) -> u16 {
         // log2(1.05), log2(1.1), log2(2.6) with 11 fractional bits.
         depth.saturating_add(match cell {
@@ -164,17 +168,44 @@ impl Arith for Fixed {
     }
 
     #[inline]
-    fn lifetime(map: &TileMap<'_>, panel: &Panel, x: u16, y: u16) -> i32 {
+    fn lifetime(map: &TileMap<'_>, panel: &Panel, x: u16, y: u16) -> i16 {
         let (cells, fx, fy) = cells_around(map, panel, x, y);
-        bilinear(&cells, fx, fy, Cell::weighed)
+        // From 2^−16 s to a second.
+        bilinear(&cells, fx, fy, Cell::weighed) as i16
     }
 
-    fn log(q8: i16) -> i32 {
-        i32::from(q8) << 3
+    fn lifetimes(map: &TileMap<'_>, panel: &Panel, row: usize, out: &mut [i16]) {
+        const HALF: usize = CELL / 2;
+        let (_, rows) = map.size();
+        let (cell, fy) = between_cells(panel, rows, Self::centre(panel, row as i32));
+        // As `bilinear` has it, across before along: nothing is rounded in between.
+        let across = |column: usize| {
+            let code = |row: usize| i32::from(map.at(column as i32, row as i32).weighed().0);
+            let (a, b) = (code(cell), code(cell + 1));
+            (a << 9) + (b - a) * fy
+        };
+        let along = |a: i32, b: i32, f: i32| {
+            ((((a << 9) + (b - a) * f + (1 << 9)) >> 10) - (128 << 8)) as i16
+        };
+        // The first cell's centre lies half a cell from the border.
+        let mut left = across(0);
+        let (border, inner) = out.split_at_mut(HALF.min(out.len()));
+        border.fill(along(left, left, 0));
+        for (column, pixels) in (1..).zip(inner.chunks_mut(CELL)) {
+            let right = across(column);
+            for (pixel, out) in (0..).zip(pixels) {
+                *out = along(left, right, (2 * pixel + 1) << (8 - CELL_BITS));
+            }
+            left = right;
+        }
+    }
+
+    fn log(q8: i16) -> i16 {
+        q8.saturating_mul(8)
     }
 
     #[inline]
-    fn extents(map: &TileMap<'_>, panel: &Panel, x: u16, y: u16) -> (i32, i16, i16) {
+    fn extents(map: &TileMap<'_>, panel: &Panel, x: u16, y: u16) -> (i16, i16, i16) {
         let (cells, fx, fy) = cells_around(map, panel, x, y);
         let log = |of: fn(&Cell) -> LogCode| (bilinear(&cells, fx, fy, of) + 4) >> 3;
         let (ex, ey, et) = extents::extents(
@@ -184,22 +215,24 @@ impl Arith for Fixed {
             log(|cell| cell.density),
         );
         let width = |extent| Self::width(extents::sigma_of_extent(extent));
-        (et << 3, width(ex), width(ey))
+        ((et << 3) as i16, width(ex), width(ey))
     }
 
     #[inline]
-    fn log_of_age(age: u32) -> i32 {
-        log2_q11(u64::from(age)) - LOG2_MICROS
+    fn log_of_age(age: u32) -> i16 {
+        // From 2^−16 s on: younger ones are as if they were that old.
+        (log2_q11(u64::from(age)) - LOG2_MICROS).max(i16::MIN.into()) as i16
     }
 
     #[inline]
-    fn decline(kernel: TimeKernel, cutoff: u16, age: i32, lifetime: i32) -> u16 {
+    fn decline(kernel: TimeKernel, cutoff: u16, age: i16, lifetime: i16) -> u16 {
         let table = match kernel {
             TimeKernel::Rational => &TIME[0],
             TimeKernel::Gaussian => &TIME[1],
             TimeKernel::Exponential => &TIME[2],
         };
-        let u = (age - lifetime - 8 * TIME_FIRST).max(0) as usize;
+        let log = i32::from(age) - i32::from(lifetime);
+        let u = (log - 8 * TIME_FIRST).max(0) as usize;
         // Chosen afterwards: many samples of a busy tile are beyond the table, in no order.
         let last = TIME_LEN - 2;
         let at = (u >> 3).min(last);

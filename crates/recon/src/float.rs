@@ -36,7 +36,6 @@ macro_rules! float_arith {
             type Weight = $float;
             type Mass = $float;
             type Log = $float;
-            type Width = $float;
             type Sum = $float;
             type Features = [$float; 15];
             type Factor = $float;
@@ -104,6 +103,10 @@ macro_rules! float_arith {
 
             fn pixel(_: &Panel, v: $float) -> i32 {
                 $floor(v) as i32 - GUARD
+            }
+
+            fn centre(_: &Panel, pixel: i32) -> $float {
+                (pixel + GUARD) as $float + 0.5
             }
 
             fn behind(depth: $float, cell: u32) -> $float {

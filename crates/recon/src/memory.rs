@@ -7,7 +7,7 @@
 //! | deep buffer | 16 N |
 //! | projected samples | 12 N, and 12 N more where they are sorted |
 //! | minima and limits | 2 (2.25 + 1/1024) W H |
-//! | movers, masses and widths | 7 W H |
+//! | movers, masses, and lifetimes, then widths | 7 W H |
 //! | sums | 32 W H, and 96 W H more for planes |
 //! | texels with their pyramid | 8 · 4/3 W H |
 //! | means at rest | 16 W H |
@@ -50,7 +50,7 @@ impl<A: Arith> Default for Slot<A> {
 /// How long each slice of a [`Memory`] must be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Needs {
-    /// W·H: limits, movers, mass, widths, sums, texels, picture; moments where planes are fitted,
+    /// W·H: limits, movers, mass, logs, sums, texels, picture; moments where planes are fitted,
     /// means where what rests is averaged.
     pub pixels: usize,
     /// Levels of minima.
@@ -99,7 +99,7 @@ pub struct Memory<'a, A: Arith> {
     /// See [`Needs::pixels`].
     pub mass: &'a mut [A::Mass],
     /// See [`Needs::pixels`].
-    pub widths: &'a mut [A::Width],
+    pub logs: &'a mut [A::Log],
     /// See [`Needs::pixels`].
     pub sums: &'a mut [Sums<A>],
     /// See [`Needs::pixels`]; empty where no planes are fitted.
@@ -180,7 +180,7 @@ impl<A: Arith> Memory<'_, A> {
             ("limits", needs.pixels, self.limits.len()),
             ("movers", needs.pixels, self.movers.len()),
             ("mass", needs.pixels, self.mass.len()),
-            ("widths", needs.pixels, self.widths.len()),
+            ("logs", needs.pixels, self.logs.len()),
             ("sums", needs.pixels, self.sums.len()),
             (
                 "moments",
@@ -230,7 +230,7 @@ pub struct Storage<
     limits: [A::Depth; P],
     movers: [u8; P],
     mass: [A::Mass; P],
-    widths: [A::Width; P],
+    logs: [A::Log; P],
     sums: [Sums<A>; P],
     moments: [Moments<A>; L],
     texels: [Texel<A>; P],
@@ -263,7 +263,7 @@ impl<
             limits: &mut self.limits,
             movers: &mut self.movers,
             mass: &mut self.mass,
-            widths: &mut self.widths,
+            logs: &mut self.logs,
             sums: &mut self.sums,
             moments: &mut self.moments,
             texels: &mut self.texels,
@@ -312,7 +312,7 @@ macro_rules! empty_storage {
                     limits: [$zero; P],
                     movers: [0; P],
                     mass: [$zero; P],
-                    widths: [$zero; P],
+                    logs: [$zero; P],
                     sums: [[$zero; 4]; P],
                     moments: [[$zero; 12]; L],
                     texels: [texel; P],

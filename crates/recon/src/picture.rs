@@ -2,7 +2,7 @@
 
 use crate::arith::Arith;
 use crate::bins::{self, Grid, Runs};
-use crate::config::Extents;
+use crate::config::{Extents, Lifetime};
 use crate::display::Display;
 use crate::motion::Reach;
 use crate::project::Instant;
@@ -12,6 +12,9 @@ use crate::{hidden, solve, splat};
 use core::hint::select_unpredictable;
 use core::ops::Range;
 use unframed_wire::Tick;
+
+/// Stretches of the ring a worker.
+const STRETCHES: usize = 2;
 
 /// A band of the picture: rows of tiles and their pixel rows.
 #[derive(Clone, Debug)]
@@ -39,34 +42,46 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
             Grid::whole(panel.width, panel.height)
         };
         let entries = (grid.tiles() + 1).max(1);
-        let parts = if sorts {
-            let rooms = self.starts.len() / entries;
-            workers.parts().min(rooms).clamp(1, MAX_PARTS)
+        let parts = if sorts { workers.parts() } else { 1 };
+        // Workers project and sort stretches of the ring, more than there are workers: fewer
+        // samples count the older they are.
+        let rooms = self.starts.len() / entries;
+        let stretches = if parts > 1 { STRETCHES * parts } else { 1 };
+        let stretches = stretches.min(rooms).clamp(1, MAX_PARTS);
+        let lifetimes = if config.lifetime == Lifetime::Tiles {
+            let lines = usize::from(panel.height).div_ceil(parts).max(1);
+            let work = self.logs.chunks_mut(lines * width).enumerate();
+            Parts::new(work).each(workers, |(part, logs)| {
+                for (row, logs) in (*part * lines..).zip(logs.chunks_mut(width.max(1))) {
+                    A::lifetimes(&self.tiles, &panel, row, logs);
+                }
+            });
+            &*self.logs
         } else {
-            1
+            &[]
         };
-
-        // Each worker projects and sorts a stretch of the ring.
         let instant = Instant {
             config: &config,
             panel: &panel,
             tiles: &self.tiles,
             slots: self.slots,
+            lifetimes,
             now,
         };
         let stored = self.deep.samples_mut();
-        let stride = stored.len().div_ceil(parts).max(1);
-        let starts = self.starts.get_mut(..parts * entries).unwrap_or(&mut []);
+        let stride = stored.len().div_ceil(stretches).max(1);
+        let starts = self.starts.get_mut(..stretches * entries);
+        let starts = starts.unwrap_or(&mut []);
         starts.fill(0);
         let mut sorted = &mut *self.sorted;
-        let stretches = stored
+        let work = stored
             .chunks_mut(stride)
             .zip(self.projected.chunks_mut(stride))
             .zip(starts.chunks_exact_mut(entries))
             .map(|((samples, projected), starts)| {
                 (samples, projected, take(&mut sorted, stride), starts)
             });
-        Parts::new(stretches).each(workers, |(samples, projected, sorted, starts)| {
+        Parts::new(work).each(workers, |(samples, projected, sorted, starts)| {
             let len = instant.project(&grid, samples, projected, starts);
             let seen = projected.get(..len).unwrap_or(&[]);
             if !sorted.is_empty() {
@@ -138,7 +153,7 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
             });
         }
         if config.extents == Extents::Density {
-            let mut widths = &mut *self.widths;
+            let mut widths = &mut *self.logs;
             let mass = &*self.mass;
             let work = bands().map(|band| (band.lines.clone(), take(&mut widths, pixels(band))));
             Parts::new(work).each(workers, |(lines, widths)| {
@@ -148,7 +163,7 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
 
         let filter = Filter {
             panel: &panel,
-            widths: Widths::new(config.extents, self.widths, &self.tiles),
+            widths: Widths::new(config.extents, self.logs, &self.tiles),
             light: config.light.table(),
         };
         let planes = config.planes();

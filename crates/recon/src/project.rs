@@ -22,6 +22,9 @@ pub struct Instant<'a, A: Arith> {
     pub tiles: &'a TileMap<'a>,
     /// The transforms of all objects.
     pub slots: &'a [Slot<A>],
+    /// Those in the middles of all pixels, where tiles give them; empty to have them found one by
+    /// one.
+    pub lifetimes: &'a [A::Log],
     /// The time.
     pub now: Tick,
 }
@@ -161,6 +164,19 @@ impl<A: Arith> Instant<'_, A> {
         })
     }
 
+    /// The lifetime in the middle of the pixel of the panel that is nearest.
+    #[inline]
+    fn lifetime(&self, x: i32, y: i32) -> A::Log {
+        let known = self.lifetimes.get(self.panel.nearest(x, y));
+        known.copied().unwrap_or_else(|| {
+            let within =
+                |v: i32, size: u16| A::centre(self.panel, v.min(i32::from(size) - 1).max(0));
+            let x = within(x, self.panel.width);
+            let y = within(y, self.panel.height);
+            A::lifetime(self.tiles, self.panel, x, y)
+        })
+    }
+
     /// The weight at an age.
     #[inline]
     fn decline(&self, age: A::Log, lifetime: A::Log) -> A::Weight {
@@ -186,7 +202,7 @@ impl<A: Arith> Instant<'_, A> {
     ) -> Projected<A> {
         let lifetime = match self.config.lifetime {
             Lifetime::Constant(log) => A::log(log),
-            Lifetime::Tiles => A::lifetime(self.tiles, self.panel, x, y),
+            Lifetime::Tiles => self.lifetime(A::pixel(self.panel, x), A::pixel(self.panel, y)),
             Lifetime::Gradient => A::extents(self.tiles, self.panel, x, y).0,
         };
         Projected {

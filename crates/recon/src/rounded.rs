@@ -85,7 +85,6 @@ impl<B: Bits> Arith for Rounded<B> {
     type Weight = f64;
     type Mass = f64;
     type Log = f64;
-    type Width = f64;
     type Sum = f64;
     type Features = <f64 as Arith>::Features;
     type Factor = f64;
@@ -120,6 +119,10 @@ impl<B: Bits> Arith for Rounded<B> {
 
     fn pixel(panel: &Panel, v: f64) -> i32 {
         f64::pixel(panel, v)
+    }
+
+    fn centre(panel: &Panel, pixel: i32) -> f64 {
+        f64::centre(panel, pixel)
     }
 
     fn behind(depth: f64, cell: u32) -> f64 {

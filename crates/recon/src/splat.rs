@@ -35,7 +35,7 @@ pub fn widths<A: Arith>(
     panel: &Panel,
     lines: Range<usize>,
     sums: &[A::Mass],
-    widths: &mut [A::Width],
+    widths: &mut [A::Log],
 ) {
     let (width, height) = (usize::from(panel.width).max(1), usize::from(panel.height));
     for (y, widths) in lines.zip(widths.chunks_mut(width)) {
@@ -56,16 +56,16 @@ const WHOLE_BITS: u32 = 16;
 #[derive(Clone, Copy, Debug)]
 pub enum Widths<'a, A: Arith> {
     /// The map of all pixels.
-    Map(&'a [A::Width]),
+    Map(&'a [A::Log]),
     /// The same for all.
-    Constant(A::Width),
+    Constant(A::Log),
     /// The gradients of the tiles.
     Tiles(&'a TileMap<'a>),
 }
 
 impl<'a, A: Arith> Widths<'a, A> {
     /// What `extents` asks for, from the map that [`widths`] makes or the tiles.
-    pub fn new(extents: Extents, map: &'a [A::Width], tiles: &'a TileMap<'a>) -> Self {
+    pub fn new(extents: Extents, map: &'a [A::Log], tiles: &'a TileMap<'a>) -> Self {
         match extents {
             Extents::Density => Self::Map(map),
             Extents::Constant(log) => Self::Constant(A::width(log.into())),
@@ -75,7 +75,7 @@ impl<'a, A: Arith> Widths<'a, A> {
 
     /// The widths of a sample, in x and y.
     #[inline]
-    pub fn of(&self, panel: &Panel, at: &Projected<A>) -> [A::Width; 2] {
+    pub fn of(&self, panel: &Panel, at: &Projected<A>) -> [A::Log; 2] {
         match self {
             Widths::Map(map) => {
                 let (x, y) = (A::pixel(panel, at.x), A::pixel(panel, at.y));
@@ -89,7 +89,7 @@ impl<'a, A: Arith> Widths<'a, A> {
 
 /// The widths that the gradients at a sample's place ask for.
 #[inline(never)]
-fn gradient_widths<A: Arith>(map: &TileMap<'_>, panel: &Panel, at: &Projected<A>) -> [A::Width; 2] {
+fn gradient_widths<A: Arith>(map: &TileMap<'_>, panel: &Panel, at: &Projected<A>) -> [A::Log; 2] {
     let (_, wide, high) = A::extents(map, panel, at.x, at.y);
     [wide, high]
 }

@@ -186,6 +186,20 @@ proptest! {
         prop_assert!(error <= 0.501);
     }
 
+    /// A row at once is pixel by pixel.
+    #[test]
+    fn lifetimes(codes in prop::collection::vec(any::<[u8; 5]>(), 7..40), width in 1u16..70, height in 1u16..40) {
+        let (mut cells, panel) = (cells(&codes), Panel::new(width, height).expect("a panel"));
+        let map = TileMap::resume(&mut cells, width, height).expect("enough cells");
+        let mut row = vec![0; width.into()];
+        for y in 0..height {
+            Fixed::lifetimes(&map, &panel, y.into(), &mut row);
+            let at = |pixel: u16| Fixed::centre(&panel, pixel.into());
+            let single: Vec<_> = (0..width).map(|x| Fixed::lifetime(&map, &panel, at(x), at(y))).collect();
+            prop_assert_eq!(&row, &single);
+        }
+    }
+
     /// Extents from gradients (Dayal et al. 2005 §5.1) by the cube roots: 8 roundings to 1/256
     /// octave.
     #[test]
@@ -214,7 +228,7 @@ proptest! {
         let ey = side(area - side((area + gy - gx) / 2.0));
         let ex = side(area - ey);
         let sigma = |e: f64| ((e + 0.65f64.log2()) * 2048.0).max(-4096.0);
-        for (got, exact) in [(et, exact_t * 2048.0), (wx.into(), sigma(ex)), (wy.into(), sigma(ey))] {
+        for (got, exact) in [(et, exact_t * 2048.0), (wx, sigma(ex)), (wy, sigma(ey))] {
             let error = (f64::from(got) - exact).abs();
             EXTENT.see("extents, 1/2048 octave", error);
             prop_assert!(error <= 32.0, "{got} for {exact}");
@@ -223,9 +237,9 @@ proptest! {
 
     /// Weights in time: the table's rounding, that between its entries, and the chord.
     #[test]
-    fn decline(log in -10 * 2048i32..6 * 2048, lifetime in -30_000i32..30_000, cutoff in 0u16..=32_768) {
+    fn decline(log in -10 * 2048i32..6 * 2048, lifetime in -12_000i16..20_000, cutoff in 0u16..=32_768) {
         for kernel in [TimeKernel::Rational, TimeKernel::Gaussian, TimeKernel::Exponential] {
-            let age = lifetime + log;
+            let age = lifetime + log as i16;
             let exact = f64::decline(kernel, cutoff, f64::from(age) / 2048.0, f64::from(lifetime) / 2048.0);
             let error = (f64::from(Fixed::decline(kernel, cutoff, age, lifetime)) - exact * ONE).abs();
             // Younger than 2^-8 lifetimes all are as if they were that old.

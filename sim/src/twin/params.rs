@@ -33,7 +33,7 @@ impl Params {
     /// Of a display whose deep buffer holds `capacity` samples.
     pub(crate) fn new(config: &Config, panel: &Panel, capacity: u32) -> Params {
         let (lifetime, lifetime_log) = match config.lifetime {
-            Lifetime::Constant(log) => (0, Fixed::log(log)),
+            Lifetime::Constant(log) => (0, Fixed::log(log).into()),
             Lifetime::Tiles => (1, 0),
             Lifetime::Gradient => (2, 0),
         };

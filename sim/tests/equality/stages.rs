@@ -226,7 +226,14 @@ fn project(
         let gradient = Fixed::extents(map, panel, x, y);
         let lifetime = match config.lifetime {
             Lifetime::Constant(log) => Fixed::log(log),
-            Lifetime::Tiles => Fixed::lifetime(map, panel, x, y),
+            Lifetime::Tiles => {
+                let within = |v: u16, size: u16| {
+                    let pixel = Fixed::pixel(panel, v).clamp(0, i32::from(size) - 1);
+                    Fixed::centre(panel, pixel)
+                };
+                let at = (within(x, panel.width), within(y, panel.height));
+                Fixed::lifetime(map, panel, at.0, at.1)
+            }
             Lifetime::Gradient => gradient.0,
         };
         let widths = match config.extents {

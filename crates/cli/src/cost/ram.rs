@@ -33,7 +33,7 @@ fn storage<A: Arith>(width: u16, height: u16, samples: usize, fit: Fit, slots: u
     let pixel = size_of::<A::Depth>() // limits
         + size_of::<u8>() // movers
         + size_of::<A::Mass>()
-        + size_of::<A::Width>()
+        + size_of::<A::Log>()
         + size_of::<Sums<A>>()
         + moments
         + size_of::<Texel<A>>()

@@ -11,6 +11,8 @@
 const CELL_BITS: u32 = 2u;
 // log2 of 10^6 with 11 fractional bits: microseconds in a second.
 const LOG2_MICROS: i32 = 40820i;
+// log2 of the youngest age, seconds, with 11 fractional bits: 2^−16 s.
+const YOUNGEST: i32 = -32768i;
 // First entry of the table of time kernels, log2 with 8 fractional bits.
 const TIME_FIRST: i32 = -2048i;
 const TIME_CHORDS: u32 = 3071u;
@@ -75,6 +77,13 @@ fn around(x: u32, y: u32) -> Around {
     );
 }
 
+// The middle of the pixel of the panel that is nearest.
+fn middle(v: u32, size: i32) -> u32 {
+    let bits = params.frac_bits;
+    let pixel = clamp(i32(v >> bits) - GUARD, 0i, size - 1i);
+    return u32(((2i * (pixel + GUARD) + 1i) << bits) >> 1u);
+}
+
 fn log2_q8(cell: vec2<u32>, field: u32) -> i32 {
     let word = select(cell.x, cell.y, field >= 4u);
     var code = (word >> ((field & 3u) * 8u)) & 0xffu;
@@ -120,8 +129,8 @@ fn extents(around: Around) -> Extents {
 
 // Weight of a sample `age` microseconds old.
 fn decline(age: u32, lifetime: i32) -> u32 {
-    let log = log2_q11(w64_from_u32(age)) - LOG2_MICROS - lifetime - 8i * TIME_FIRST;
-    let u = u32(max(log, 0i));
+    let log = max(log2_q11(w64_from_u32(age)) - LOG2_MICROS, YOUNGEST);
+    let u = u32(max(log - lifetime - 8i * TIME_FIRST, 0i));
     let chord = u >> 3u;
     if chord >= TIME_CHORDS { return 0u; }
     let a = low16(tables.time[chord]);
@@ -166,7 +175,7 @@ fn main(
     }
     if params.lifetime == LIFETIME_CONSTANT { lifetime = params.lifetime_log; }
     if params.lifetime == LIFETIME_TILES {
-        lifetime = bilinear(around(seen.x, seen.y), LIFETIME);
+        lifetime = bilinear(around(middle(seen.x, params.width), middle(seen.y, params.height)), LIFETIME);
     }
     if params.extents == EXTENTS_CONSTANT { widths = vec2<i32>(params.width_log); }
     let weight = decline(age(sample), lifetime);
