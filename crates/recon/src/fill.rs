@@ -26,9 +26,11 @@ fn coarser((w, h): Size) -> Size {
     (w.div_ceil(2), h.div_ceil(2))
 }
 
+/// Texels from which on a level is shared among the workers.
+const WORTH_SHARING: usize = 1 << 12;
+
 /// Fills `texels` (row by row, `width` × `height`) by way of `pyramid`. Says whether anything was
-/// known at all; if not, all texels keep a confidence of zero. The finest level, most of the work,
-/// is shared among the workers.
+/// known at all; if not, all texels keep a confidence of zero.
 pub fn fill<A: Arith>(
     width: usize,
     height: usize,
@@ -36,30 +38,36 @@ pub fn fill<A: Arith>(
     pyramid: &mut [Texel<A>],
     workers: &impl Workers,
 ) -> bool {
-    let size = (width, height);
-    if width <= 1 && height <= 1 {
-        return texels.first().and_then(known).is_some();
+    fill_level(texels, (width, height), pyramid, workers).is_some()
+}
+
+/// Fills a level by way of the coarser ones. `None` when nothing was known.
+fn fill_level<A: Arith>(
+    texels: &mut [Texel<A>],
+    size: Size,
+    pyramid: &mut [Texel<A>],
+    workers: &impl Workers,
+) -> Option<()> {
+    let parts = workers.parts();
+    if parts == 1 || texels.len() < WORTH_SHARING {
+        pull_levels(texels, size, pyramid);
+        return push_levels(texels, size, pyramid);
     }
     let below = coarser(size);
-    let Some((level, rest)) = pyramid.split_at_mut_checked(below.0 * below.1) else {
-        return false;
-    };
-    let share = below.1.div_ceil(workers.parts().max(1)).max(1);
+    let (level, rest) = pyramid.split_at_mut_checked(below.0 * below.1)?;
+    let share = below.1.div_ceil(parts.max(1)).max(1);
     let fine = &*texels;
     let work = level.chunks_mut((share * below.0).max(1)).enumerate();
     Parts::new(work).each(workers, |(part, level)| {
         pull_level(fine, size, *part * share, level, below);
     });
-    pull_levels(level, below, rest);
-    if push_levels(level, below, rest).is_none() {
-        return false;
-    }
+    fill_level(level, below, rest, workers)?;
     let level = &*level;
-    let work = texels.chunks_mut((2 * share * width).max(1)).enumerate();
+    let work = texels.chunks_mut((2 * share * size.0).max(1)).enumerate();
     Parts::new(work).each(workers, |(part, fine)| {
         push_level(fine, 2 * *part * share, size, level, below);
     });
-    true
+    Some(())
 }
 
 /// Pulls rows of a coarse level, those from row `first` on, from a fine one.

@@ -189,7 +189,8 @@ impl Arith for Fixed {
         };
         // The first cell's centre lies half a cell from the border.
         let mut left = across(0);
-        let (border, inner) = out.split_at_mut(HALF.min(out.len()));
+        let border = HALF.min(out.len());
+        let (border, inner) = out.split_at_mut_checked(border).unwrap_or_default();
         border.fill(along(left, left, 0));
         for (column, pixels) in (1..).zip(inner.chunks_mut(CELL)) {
             let right = across(column);

@@ -11,6 +11,7 @@
 
 use crate::arith::{Arith, Panel, Projected};
 use crate::motion::Reach;
+use crate::workers::take;
 
 /// Sides of the cells, pixels.
 pub const CELLS: [usize; 3] = [1, 2, 32];
@@ -151,16 +152,49 @@ pub fn hides<A: Arith>(
     (*limit < sample.depth) & (*limit <= reach.of(sample.past, *mover != 0))
 }
 
+/// The three levels of minima of a band of rows of pixels.
+#[derive(Debug)]
+pub struct Minima<'a, D> {
+    /// Of pixels.
+    pub nearest: &'a mut [D],
+    halves: &'a mut [D],
+    blocks: &'a mut [D],
+}
+
+impl<'a, D> Minima<'a, D> {
+    /// Of a whole panel, over [`minima_len`] entries.
+    pub fn of(panel: &Panel, mut minima: &'a mut [D]) -> Self {
+        let [nearest, halves, blocks] = CELLS.map(|side| {
+            let cells = cells_along(panel.width, side) * cells_along(panel.height, side);
+            take(&mut minima, cells)
+        });
+        Self {
+            nearest,
+            halves,
+            blocks,
+        }
+    }
+
+    /// Splits off the first `lines` rows: a multiple of 32, or all.
+    pub fn take(&mut self, panel: &Panel, lines: usize) -> Self {
+        let [nearest, halves, blocks] =
+            CELLS.map(|side| cells_along(panel.width, side) * lines.div_ceil(side.max(1)));
+        Self {
+            nearest: take(&mut self.nearest, nearest),
+            halves: take(&mut self.halves, halves),
+            blocks: take(&mut self.blocks, blocks),
+        }
+    }
+}
+
 /// The coarser minima from the first level.
-pub fn coarsen<A: Arith>(panel: &Panel, minima: &mut [A::Depth]) {
+pub fn coarsen<A: Arith>(panel: &Panel, minima: &mut Minima<'_, A::Depth>) {
     let width = usize::from(panel.width).max(1);
-    let Some((fine, halves, blocks)) = levels_mut(panel, minima) else {
-        return;
-    };
-    for (cells, side) in [(halves, 2), (blocks, 32)] {
+    let levels = [(&mut *minima.halves, 2), (&mut *minima.blocks, 32)];
+    for (cells, side) in levels {
         cells.fill(A::FAR);
         let rows = cells.chunks_mut(width.div_ceil(side).max(1));
-        for (cells, rows) in rows.zip(fine.chunks((side * width).max(1))) {
+        for (cells, rows) in rows.zip(minima.nearest.chunks((side * width).max(1))) {
             for pixels in rows.chunks(width) {
                 for (cell, pixels) in cells.iter_mut().zip(pixels.chunks(side)) {
                     for depth in pixels {
@@ -172,17 +206,6 @@ pub fn coarsen<A: Arith>(panel: &Panel, minima: &mut [A::Depth]) {
             }
         }
     }
-}
-
-/// The levels of minima: of pixels, of 2 and of 32 pixels.
-fn levels_mut<'a, D>(
-    panel: &Panel,
-    minima: &'a mut [D],
-) -> Option<(&'a mut [D], &'a mut [D], &'a mut [D])> {
-    let halves = cells_along(panel.width, 2) * cells_along(panel.height, 2);
-    let (fine, coarse) = minima.split_at_mut_checked(panel.pixels())?;
-    let (halves, blocks) = coarse.split_at_mut_checked(halves)?;
-    Some((fine, halves, blocks))
 }
 
 /// The depth beyond which each pixel is hidden, of the rows from `top` (a multiple of 32) on.

@@ -4,6 +4,7 @@ use crate::arith::Arith;
 use crate::bins::{self, Grid, Runs};
 use crate::config::{Extents, Lifetime};
 use crate::display::Display;
+use crate::hidden::Minima;
 use crate::motion::Reach;
 use crate::project::Instant;
 use crate::splat::{Filter, Target, Widths};
@@ -50,7 +51,7 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
         let stretches = stretches.min(rooms).clamp(1, MAX_PARTS);
         let lifetimes = if config.lifetime == Lifetime::Tiles {
             let lines = usize::from(panel.height).div_ceil(parts).max(1);
-            let work = self.logs.chunks_mut(lines * width).enumerate();
+            let work = self.logs.chunks_mut((lines * width).max(1)).enumerate();
             Parts::new(work).each(workers, |(part, logs)| {
                 for (row, logs) in (*part * lines..).zip(logs.chunks_mut(width.max(1))) {
                     A::lifetimes(&self.tiles, &panel, row, logs);
@@ -111,16 +112,17 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
         let pixels = |band: &Band| band.lines.len() * width;
 
         if config.hidden {
-            let (mut minima, mut movers) = (&mut *self.minima, &mut *self.movers);
+            let mut minima = Minima::of(&panel, self.minima);
+            let mut movers = &mut *self.movers;
             let work = bands().map(|band| {
-                let len = pixels(band);
-                (band, take(&mut minima, len), take(&mut movers, len))
+                let minima = minima.take(&panel, band.lines.len());
+                (band, minima, take(&mut movers, pixels(band)))
             });
             Parts::new(work).each(workers, |(band, minima, movers)| {
-                let top = band.lines.start;
-                hidden::survey(&panel, runs.rows(band.reached_from()), top, minima, movers);
+                let (samples, top) = (runs.rows(band.reached_from()), band.lines.start);
+                hidden::survey(&panel, samples, top, minima.nearest, movers);
+                hidden::coarsen::<A>(&panel, minima);
             });
-            hidden::coarsen::<A>(&panel, self.minima);
             let minima = &*self.minima;
             let mut limits = &mut *self.limits;
             let work = bands().map(|band| (band.lines.start, take(&mut limits, pixels(band))));

@@ -5,7 +5,7 @@ use unframed_recon::config::{Config, Extents, Fit, Lifetime, Light};
 use unframed_recon::deep::{Placing, Stored, age, slot};
 use unframed_recon::encode::ENCODED;
 use unframed_recon::fill::{self, pyramid_len};
-use unframed_recon::hidden::{self, minima_len};
+use unframed_recon::hidden::{self, Minima, minima_len};
 use unframed_recon::memory::Slot;
 use unframed_recon::motion::{Motion, Past};
 use unframed_recon::splat::{self, Filter, Target, Widths};
@@ -111,7 +111,7 @@ impl Stages {
             let once = || std::iter::once(&all[..]);
             let mut movers = vec![0; pixels];
             hidden::survey::<Fixed>(&panel, once(), 0, &mut minima[..pixels], &mut movers);
-            hidden::coarsen::<Fixed>(&panel, &mut minima);
+            hidden::coarsen::<Fixed>(&panel, &mut Minima::of(&panel, &mut minima));
             hidden::limits::<Fixed>(&panel, &minima, 0, &mut limits);
             let reach = contents
                 .motion
