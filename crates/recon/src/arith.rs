@@ -205,7 +205,8 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
         y: Self::Coord,
     ) -> (Self::Log, Self::Log, Self::Log);
 
-    /// log2 of an age given in microseconds, in seconds.
+    /// log2 of an age given in microseconds, in seconds; those below 2^−16 s are as if they were
+    /// that old.
     fn log_of_age(age: u32) -> Self::Log;
 
     /// Weight of a sample of an age, less `cutoff` (15 fractional bits), and never below 0.

@@ -221,7 +221,6 @@ impl Arith for Fixed {
 
     #[inline]
     fn log_of_age(age: u32) -> i16 {
-        // From 2^−16 s on: younger ones are as if they were that old.
         (log2_q11(u64::from(age)) - LOG2_MICROS).max(i16::MIN.into()) as i16
     }
 

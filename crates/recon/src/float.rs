@@ -147,7 +147,7 @@ macro_rules! float_arith {
             }
 
             fn log_of_age(age: u32) -> $float {
-                $log2(age as $float * 1e-6)
+                $log2(age as $float * 1e-6).max(-16.0)
             }
 
             fn decline(kernel: TimeKernel, cutoff: u16, age: $float, lifetime: $float) -> $float {

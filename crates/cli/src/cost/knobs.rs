@@ -156,6 +156,10 @@ impl Knobs {
                 TimeKernel::Gaussian => "gaussian",
                 TimeKernel::Exponential => "exponential",
             },
+            cutoff: match display.cutoff {
+                0 => "none".to_owned(),
+                cutoff => format!("1/{:.0}", 32_768.0 / f64::from(cutoff)),
+            },
             fill: display.fill,
             light: match display.light {
                 Light::Linear => "linear",
@@ -190,6 +194,8 @@ pub struct Described {
     pub lifetime: String,
     /// How weight declines with age.
     pub kernel: &'static str,
+    /// The weight at which samples no longer count.
+    pub cutoff: String,
     /// Whether holes are filled.
     pub fill: bool,
     /// What is filtered.
@@ -206,8 +212,12 @@ impl Described {
             "" => String::new(),
             said => format!(", {said}"),
         };
+        let cutoff = match self.cutoff.as_str() {
+            "none" => String::new(),
+            weight => format!(" down to {weight}"),
+        };
         format!(
-            "{} {}/s{}{}, N {}, {}, {}{hidden}, σ {}, τ {}, {}{fill}, {} light",
+            "{} {}/s{}{}, N {}, {}, {}{hidden}, σ {}, τ {}, {}{cutoff}{fill}, {} light",
             self.method,
             super::short(self.rate),
             and(&self.sampling),
@@ -392,6 +402,8 @@ pub fn sweeps() -> Vec<Planned> {
         "decline with age",
         &kernels.map(|kernel| with(&|c| c.kernel = kernel)),
     );
+    let cutoffs = [0, 32, 128, 256, 512, 1024].map(|cutoff| with(&|c| c.cutoff = cutoff));
+    add("cut-off of weights", &cutoffs);
     // 0.1, 0.2, 0.4 and 0.8 s for all, and a lifetime a tile.
     let lives = [-850, -594, -338, -82].map(|log| with(&|c| c.lifetime = Lifetime::Constant(log)));
     add("lifetime", &lives);
@@ -449,6 +461,7 @@ mod tests {
             "light",
             "filter width",
             "lifetime",
+            "cut-off of weights",
             "bits of weights",
             "steps of ages",
             "wire: bits of places",

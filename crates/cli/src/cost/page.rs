@@ -311,6 +311,7 @@ fn label(sweep: &str, p: &Point) -> String {
         "filling" => on(p.knobs.fill),
         "filter width" => p.knobs.extents.clone(),
         "decline with age" => p.knobs.kernel.to_owned(),
+        "cut-off of weights" => p.knobs.cutoff.clone(),
         "lifetime" => p.knobs.lifetime.clone(),
         "light" => p.knobs.light.to_owned(),
         _ if sweep.starts_with("wire: ") => match p.knobs.detail.as_str() {

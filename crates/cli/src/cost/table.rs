@@ -213,7 +213,7 @@ pub fn slope(pairs: &[(f64, f64)]) -> Option<f64> {
 #[must_use]
 pub fn csv(points: &[Point]) -> String {
     let mut out = String::from(
-        "sweep,method,rate,samples,format,sampling,detail,fit,hidden,extents,lifetime,kernel,fill,light,rmse,psnr,\
+        "sweep,method,rate,samples,format,sampling,detail,fit,hidden,extents,lifetime,kernel,cutoff,fill,light,rmse,psnr,\
          mse_sampling,mse_filtering,mse_arithmetic,mse_delay,mse_total,rmse_to_oracle,\
          host_seconds,display_seconds,instructions_per_sample,bytes_per_second,rays_per_second,ram_bytes,on_front,\
          preset\r\n",
@@ -242,6 +242,7 @@ pub fn csv(points: &[Point]) -> String {
             k.extents.clone(),
             k.lifetime.clone(),
             k.kernel.to_owned(),
+            k.cutoff.clone(),
             k.fill.to_string(),
             k.light.to_owned(),
             p.rmse.to_string(),
@@ -330,6 +331,7 @@ mod tests {
                 ("extents", knobs.extents),
                 ("lifetime", knobs.lifetime),
                 ("kernel", knobs.kernel.to_owned()),
+                ("cutoff", knobs.cutoff),
                 ("fill", knobs.fill.to_string()),
                 ("light", knobs.light.to_owned()),
             ];
