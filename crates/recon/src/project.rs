@@ -5,6 +5,7 @@ use crate::bins::{self, Grid};
 use crate::config::{Config, Lifetime};
 use crate::deep::{Placing, Stored, age, slot};
 use crate::extents;
+use crate::lanes::UNROLLS;
 use crate::memory::Slot;
 use crate::motion::Past;
 use crate::tiles::TileMap;
@@ -125,7 +126,7 @@ impl<A: Arith> Instant<'_, A> {
     /// indices; returns their number.
     fn places(&self, placing: Placing, block: &[Stored], places: &mut [Seen<A>; BLOCK]) -> usize {
         let mut len = 0;
-        if placing == Placing::Lattice {
+        if UNROLLS && placing == Placing::Lattice {
             let mut sights = [(A::Sight::default(), 0); BLOCK];
             for (index, sample) in block.iter().enumerate() {
                 let slot = self.slots.get(usize::from(sample.slot));
