@@ -10,6 +10,7 @@ use unframed_tests::backends::{Show, adapter_or_skip, boards_or_skip, firmware};
 use unframed_tests::controller::Controller;
 use unframed_tests::scenes::{RATE, REFRESHES, SIZE, record, recorded};
 use unframed_tests::stream::{PIXEL, Rng, Stream, sample, tile};
+use unframed_wire::WorldSample;
 
 /// Bytes of stack that the reconstructor may use, of the 16 KiB that the boards have.
 const STACK: u64 = 12 * 1024;
@@ -64,6 +65,51 @@ fn a_board_counts_the_same_every_time() {
     }
 }
 
+/// Samples all over a plane that fills 64 × 64 pixels.
+fn samples_of_the_plane(rng: &mut Rng, count: usize) -> Vec<WorldSample> {
+    let half = i64::from(PIXEL) * 32;
+    (0..count)
+        .map(|_| {
+            let [x, y] = [(); 2].map(|()| rng.range(-half, half) as i16);
+            sample([x, y, 0], [(x as u8) ^ (y as u8), 90, y as u8])
+        })
+        .collect()
+}
+
+/// Everything moves, so nothing lives long: samples that are too old for the longest lifetime cost
+/// next to nothing. 64 × 64 pixels, 16,384 samples of a second.
+#[test]
+fn what_moves_costs_what_is_young() {
+    if !boards_or_skip(Image::Play, "instructions in motion") {
+        return;
+    }
+    let size = (64, 64);
+    for method in ["adaptive-constant", "adaptive"] {
+        // Lifetimes of 1/16, 1/4 and 1 s.
+        let costs = [96, 112, 128].map(|lifetime| {
+            let mut rng = Rng(40);
+            let mut stream = Stream::of_the_plane(size);
+            stream.tiles(0, 64, |rect| tile(rect, [90, 90, 90, lifetime]));
+            for time in 0..64 {
+                stream.world(time * 15_625, &samples_of_the_plane(&mut rng, 256));
+            }
+            stream.refresh(1_000_000);
+            let show = Show {
+                bytes: &stream.bytes,
+                size,
+                method,
+                samples: 16_384,
+            };
+            let report = show.board(Board::CortexM7, Image::Play);
+            report.expect("the board works").shown[0].show
+        });
+        println!("{method}: {costs:?} instructions a refresh");
+        let [short, middle, _] = costs;
+        // Fewer samples are filtered more widely; not asking where the old ones are saves a third.
+        assert!(3 * short < 2 * middle, "{method}: {costs:?}");
+    }
+}
+
 /// 64 × 64 pixels that remember 16,384 samples and get as many a second: at rest a refresh looks at
 /// 273 of them.
 #[test]
@@ -73,16 +119,7 @@ fn at_rest_a_refresh_costs_what_is_new() {
     }
     let size = (64, 64);
     let mut rng = Rng(40);
-    let mut take = |count: usize| -> Vec<_> {
-        let half = i64::from(PIXEL) * 32;
-        let mut along = || rng.range(-half, half) as i16;
-        (0..count)
-            .map(|_| {
-                let (x, y) = (along(), along());
-                sample([x, y, 0], [(x as u8) ^ (y as u8), 90, y as u8])
-            })
-            .collect()
-    };
+    let mut take = |count| samples_of_the_plane(&mut rng, count);
     let mut stream = Stream::of_the_plane(size);
     stream.tiles(0, 64, |rect| tile(rect, [90, 90, 90, 255]));
     stream.world(0, &take(16_384));
