@@ -41,6 +41,7 @@ fn on_the_recorded_streams_integers_show_what_the_oracle_shows() {
         assert!(found.flipped(1) <= 0.0005, "{scene}");
         assert_eq!(found.flips.unexplained, 0, "{scene}");
         assert!(found.errors.place < 0.51 && found.errors.depth <= 1.25);
+        assert!(found.errors.weight < 12.0);
     }
 }
 
@@ -57,6 +58,7 @@ fn on_thin_streams_every_flip_is_explained() {
         assert!(found.flipped(1) <= 0.005, "{scene}");
         assert_eq!(found.flips.unexplained, 0, "{scene}");
         assert!(found.errors.place < 0.51 && found.errors.depth <= 1.25);
+        assert!(found.errors.weight < 12.0);
     }
     assert!(flips > 0, "nothing to explain");
 }
