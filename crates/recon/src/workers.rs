@@ -75,7 +75,11 @@ impl Workers for Threads {
     }
 
     fn together<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
-        self.pool.install(work)
+        if self.parts == 1 {
+            work()
+        } else {
+            self.pool.install(work)
+        }
     }
 }
 
