@@ -88,7 +88,8 @@ pub struct Memory<'a, A: Arith> {
     /// As long as `samples`, or empty: then samples are not sorted by tile, which costs time on
     /// machines with caches and keeps the work on one thread.
     pub sorted: &'a mut [Projected<A>],
-    /// See [`Needs::starts`]: as many times that as there are threads; 2 where nothing is sorted.
+    /// See [`Needs::starts`]: twice that a thread (fewer divide the work less evenly); 2 where
+    /// nothing is sorted.
     pub starts: &'a mut [u32],
     /// See [`Needs::minima`].
     pub minima: &'a mut [A::Depth],
