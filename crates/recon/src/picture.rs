@@ -44,6 +44,7 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
         };
         let entries = (grid.tiles() + 1).max(1);
         let parts = if sorts { workers.parts() } else { 1 };
+        let parts = parts.clamp(1, MAX_PARTS);
         // Workers project and sort stretches of the ring, more than there are workers: fewer
         // samples count the older they are.
         let rooms = self.starts.len() / entries;

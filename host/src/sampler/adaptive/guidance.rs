@@ -1,7 +1,8 @@
 //! How many points of lamps and media samples look at: the guidance of adaptive interleaved sampling
 //! (Dubla et al. 2009) without frames; which points these are, says the pattern ([`super::pattern`]).
 //!
-//! The guidance is the spread of what rays of a tile brought, effect by effect: none in the umbra, little in the full light of a small lamp, much in a penumbra. A
+//! The guidance is the spread of what rays of a tile brought, effect by effect: none in the umbra,
+//! little in the full light of a small lamp, much in a penumbra. A
 //! sample that gives `k` rays to an effect costs `c + k` rays and errs by `v + w/k`, where `v` is the tile's
 //! squared error without the effect's noise and `w` the squared spread of one of its rays; for a
 //! given number of rays the error is least at k = √(w·c/v). A tile that has seen little listens to
