@@ -1,7 +1,7 @@
 //! A laboratory for samplers: variants of the knobs against the ideal picture, through the real
 //! stream and the real integer display. For tuning; what counts is `unframed eval`.
 //!
-//! `cargo run --release -p unframed-host --example sampler_lab -- [scenes=a,b] [rate=400000]
+//! `cargo run --release -p unframed-host --example sampler_lab -- [scenes=a,b.glb] [rate=400000]
 //! [seconds=3] [png=FOLDER] [VARIANT …]`, a variant being `name:knob=value,knob=value` with the
 //! fields of [`Config`] as knobs, or `uniform=LIFETIME` (seconds) for uniform samples through the
 //! same display. A variant whose name begins with `paper` is the method of Dayal et al. 2005 with
@@ -16,7 +16,7 @@ use unframed_host::sampler::adaptive::{Adaptive, Config};
 use unframed_host::sampler::paper::{self, Paper};
 use unframed_host::sampler::uniform::Uniform;
 use unframed_host::sampler::{Eye, Sampler, Shot, Span};
-use unframed_host::scene::builtin;
+use unframed_host::scene::{builtin, open};
 use unframed_host::stream::sender::Promise;
 use unframed_host::trace::{self, World};
 use unframed_recon::config::{Extents, Fit, Lifetime};
@@ -324,8 +324,10 @@ fn main() {
         variants = vec!["uniform:uniform=0.5".into(), "adaptive".into()];
     }
     for scene in scenes.split(',') {
-        let model = builtin::builtin(scene).unwrap_or_else(|| panic!("{scene}: no such scene"));
-        let world = World::new(model, SIZE.to_array()).expect("a built-in scene is sound");
+        let opened = open::open(scene, None).unwrap_or_else(|error| panic!("{error}"));
+        let world = World::new(opened.scene, SIZE.to_array()).expect("a scene that loads is sound");
+        let scene = Path::new(scene).file_stem().and_then(|s| s.to_str());
+        let scene = scene.expect("a name");
         let truth = ideals(scene, &world, seconds);
         for variant in &variants {
             let name = variant.split(':').next().unwrap_or("x");
