@@ -279,8 +279,9 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
     /// coarser level: confidence-weighted mean, confidences added up to 1.
     fn pull(children: [Texel<Self>; 4]) -> Texel<Self>;
 
-    /// A texel, what it lacks in confidence made up from coarser ones (weights 9, 3, 3, 1 of 16).
-    fn push(fine: Texel<Self>, coarse: [Texel<Self>; 4]) -> Texel<Self>;
+    /// A texel, what it lacks in confidence made up from coarser ones (weights 9, 3, 3, 1 of 16),
+    /// which are asked for where it lacks any.
+    fn push(fine: Texel<Self>, coarse: impl FnOnce() -> [Texel<Self>; 4]) -> Texel<Self>;
 
     /// A light as 16 bits, rounded.
     fn to_u16(light: Self::Light) -> u16;

@@ -73,7 +73,7 @@ pub struct Display<'a, A: Arith, W: Workers = Alone> {
     motion: Motion,
     rest: Rest,
     /// Whether a mean may hold something.
-    averaged: bool,
+    pub(crate) averaged: bool,
     counts: Counts,
 }
 

@@ -77,6 +77,7 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
     /// Shows every pixel.
     pub(crate) fn encode(&mut self) {
         let light = self.config.light;
+        let averaged = self.averaged;
         let share = self.texels.len().div_ceil(self.workers.parts()).max(1);
         let mut means = &*self.means;
         let work = self
@@ -89,9 +90,15 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
                 (texels, picture, own)
             });
         Parts::new(work).each(&self.workers, |(texels, picture, means)| {
-            let means = means.iter().chain(core::iter::repeat(&Mean::EMPTY));
-            for ((texel, pixel), mean) in texels.iter().zip(&mut **picture).zip(means) {
-                show(light, texel, mean, pixel);
+            let pixels = texels.iter().zip(&mut **picture);
+            if averaged {
+                for ((texel, pixel), mean) in pixels.zip(*means) {
+                    show(light, texel, mean, pixel);
+                }
+            } else {
+                for (texel, pixel) in pixels {
+                    show(light, texel, &Mean::EMPTY, pixel);
+                }
             }
         });
     }

@@ -369,7 +369,7 @@ impl Arith for Fixed {
         }
         let divider = Divider::new(sums[0] as u64);
         // The mean of 16-bit lights comes with 15 fractional bits.
-        let light = |c: usize| to_light(i64::from(divider.ratio(sums[c], 16)));
+        let light = |c: usize| mean_light(divider.part(sums[c] as u64, 16));
         Texel {
             light: [light(1), light(2), light(3)],
             confidence: confidence(sums[0]),
@@ -422,7 +422,7 @@ impl Arith for Fixed {
         let light = |c: usize| {
             let of = |t: &Texel<Self>| u64::from(t.light[c]) * u64::from(t.confidence);
             let sum: u64 = children.iter().map(of).sum();
-            to_light(i64::from(divider.ratio(sum as i64, 16)))
+            mean_light(divider.part(sum, 16))
         };
         Texel {
             light: [light(0), light(1), light(2)],
@@ -431,11 +431,12 @@ impl Arith for Fixed {
     }
 
     #[inline]
-    fn push(fine: Texel<Self>, coarse: [Texel<Self>; 4]) -> Texel<Self> {
+    fn push(fine: Texel<Self>, coarse: impl FnOnce() -> [Texel<Self>; 4]) -> Texel<Self> {
         let own = u32::from(fine.confidence);
         if own >= ONE {
             return fine;
         }
+        let coarse = coarse();
         let light = |c: usize| {
             let of = |i: usize| u32::from(coarse[i].light[c]);
             let around = (9 * of(0) + 3 * of(1) + 3 * of(2) + of(3) + 8) >> 4;
@@ -457,6 +458,12 @@ impl Arith for Fixed {
 #[inline]
 fn to_light(v: i64) -> u16 {
     ((v + (1 << 14)) >> 15).clamp(0, 65535) as u16
+}
+
+/// The same of a mean, at most 65535 but for rounding.
+#[inline]
+fn mean_light(v: u32) -> u16 {
+    ((v + (1 << 14)) >> 15).min(65535) as u16
 }
 
 /// min(1, weight/0.3).

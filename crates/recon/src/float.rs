@@ -367,11 +367,12 @@ macro_rules! float_arith {
                 }
             }
 
-            fn push(fine: Texel<Self>, coarse: [Texel<Self>; 4]) -> Texel<Self> {
+            fn push(fine: Texel<Self>, coarse: impl FnOnce() -> [Texel<Self>; 4]) -> Texel<Self> {
                 let own = fine.confidence;
                 if own >= 1.0 {
                     return fine;
                 }
+                let coarse = coarse();
                 let light = [0, 1, 2].map(|c| {
                     let around: $float = coarse
                         .iter()

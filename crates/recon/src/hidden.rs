@@ -10,6 +10,7 @@
 //! [`crate::motion`].
 
 use crate::arith::{Arith, Panel, Projected};
+use crate::lanes::UNROLLS;
 use crate::motion::Reach;
 use crate::workers::take;
 
@@ -198,9 +199,7 @@ pub fn coarsen<A: Arith>(panel: &Panel, minima: &mut Minima<'_, A::Depth>) {
             for pixels in rows.chunks(width) {
                 for (cell, pixels) in cells.iter_mut().zip(pixels.chunks(side)) {
                     for depth in pixels {
-                        if *depth < *cell {
-                            *cell = *depth;
-                        }
+                        *cell = min(*depth, *cell);
                     }
                 }
             }
@@ -228,8 +227,9 @@ fn levels<'a, D>(panel: &Panel, minima: &'a [D]) -> [&'a [D]; 3] {
     })
 }
 
-/// Cells whose limits are found at a time.
-const RUN: usize = 32;
+/// Cells whose limits are found at a time: few where no loop over them is made parallel, for a row
+/// shorter than a run takes as long as the run.
+const RUN: usize = if UNROLLS { 32 } else { 4 };
 
 /// Lowers the limits of the pixels of cells of a side to what `choose` takes of the largest three
 /// of the 3 × 3 cells around, clamped at borders, plus the tolerance.

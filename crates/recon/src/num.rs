@@ -168,6 +168,15 @@ impl Divider {
         };
         if v < 0 { -quotient } else { quotient }
     }
+
+    /// [`Divider::ratio`] where more is known: `v` is from 0 to `divisor`·2^`bits`, and the divisor
+    /// has `bits` leading zeros.
+    #[inline]
+    #[must_use]
+    pub const fn part(self, v: u64, bits: u32) -> u32 {
+        let up = (self.zeros as u32).wrapping_sub(bits) & 63;
+        mul_hi(((v << up) >> 32) as u32, self.reciprocal)
+    }
 }
 
 #[cfg(test)]
@@ -217,6 +226,17 @@ mod tests {
             let got = f64::from(Divider::new(divisor).ratio(v, bits));
             let bound = 2.0 + exact.abs() * (-28f64).exp2();
             prop_assert!((got - exact).abs() <= bound, "{v}/{divisor}: {got} against {exact}");
+        }
+
+        #[test]
+        fn part_is_ratio(divisor in 1u64..1 << 48, by in 0u32..47, part in 0.0f64..=1.0, bits in 0u32..=16) {
+            let divisor = (divisor >> by).max(1);
+            let whole = divisor << bits;
+            let v = ((part * whole as f64) as u64).min(whole);
+            let divider = Divider::new(divisor);
+            // One that is beyond 31 bits saturates there.
+            let got = divider.part(v, bits).min(i32::MAX as u32);
+            prop_assert_eq!(got as i32, divider.ratio(v as i64, bits as i32));
         }
     }
 }

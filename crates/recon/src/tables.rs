@@ -171,12 +171,11 @@ pub static SRGB_GUESS: [u8; 4096] = {
 #[inline]
 #[must_use]
 pub fn linear_to_srgb(light: u16) -> u8 {
-    let mut code = SRGB_GUESS[usize::from(light >> 4)];
-    // One step of 2^-12 spans at most one code boundary (the steepest slope is 12.92·255/4096).
-    if code < 255 && SRGB_FROM[usize::from(code) + 1] <= light {
-        code += 1;
-    }
-    code
+    let code = SRGB_GUESS[usize::from(light >> 4)];
+    // One step of 2^-12 spans at most one code boundary (the steepest slope is 12.92·255/4096):
+    // which, no processor foresees, so it is added rather than branched on.
+    let next = code.saturating_add(1);
+    code + (u8::from(next > code) & u8::from(SRGB_FROM[usize::from(next)] <= light))
 }
 
 /// The 8-bit code nearest to a light of 16 bits that is spread evenly over the codes.
