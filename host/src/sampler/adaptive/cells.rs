@@ -2,7 +2,8 @@
 //! are those of the map.
 //!
 //! A cell stands for the samples that fell on one pixel's worth of a surface. It keeps the place
-//! of the newest of them *in its object's coordinates*, so that it moves as the surface moves.
+//! of one of them *in its object's coordinates*, so that it moves as the surface moves: the one that
+//! a second look would compare with, which stays until it is a lifetime old.
 //! Once an epoch the pool is walked in memory order: each cell ages, is projected to the view of
 //! the epoch and takes its pixel in the plane (of indices of cells), which is small enough to stay
 //! in cache. Cells that meet in a pixel at one depth merge; otherwise the nearer stays. What is
@@ -26,23 +27,23 @@ const FORGOTTEN: f32 = 0.02;
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(super) struct Cell {
-    /// Place of the newest sample in its object's coordinates, metres.
+    /// Place of the sample kept for a second look, in its object's coordinates, metres.
     pub(super) local: Vec3,
-    /// Instant of the newest sample, seconds after the instant of the map (before: negative).
+    /// Its instant, seconds after the instant of the map (before: negative).
     pub(super) born: f32,
     /// Mean displayed colour, 0..=255.
     pub(super) mean: Vec3,
     /// Samples that it stands for, the old ones discounted; 0 is a dead cell.
     pub(super) weight: f32,
-    /// Displayed colour of the newest sample, rounded.
-    pub(super) newest: [u8; 3],
-    /// Object id.
+    /// Its displayed colour, rounded.
+    pub(super) kept: [u8; 3],
+    /// Its object's id.
     pub(super) object: u8,
-    /// The points that the newest sample took of lamps and media: a second look sees the same.
+    /// The points that it took of lamps and media: a second look sees the same.
     pub(super) points: Points,
     /// Where it was last seen; [`NONE`] outside the image.
     pub(super) pixel: u32,
-    /// Depth along the axis, metres.
+    /// Depth of what was last seen there along the axis, metres.
     pub(super) depth: f32,
     /// Residuals: Σ b and Σ b·r², r in displayed levels.
     pub(super) residuals: [f32; 2],
@@ -53,12 +54,12 @@ pub(super) struct Cell {
 const _: () = assert!(size_of::<Cell>() == 64);
 
 impl Cell {
-    /// Displayed colour of the newest sample.
-    pub(super) fn newest(&self) -> Vec3 {
-        Vec3::from(self.newest.map(f32::from))
+    /// Displayed colour of the sample kept for a second look.
+    pub(super) fn kept(&self) -> Vec3 {
+        Vec3::from(self.kept.map(f32::from))
     }
 
-    /// Adds what another cell of the same surface knows; the newer place stays.
+    /// Adds what another cell of the same surface knows; the newer of the kept samples stays.
     fn merge(&mut self, other: &Cell) {
         let weight = self.weight + other.weight;
         self.mean += (other.mean - self.mean) * (other.weight / weight.max(1e-6));
@@ -68,7 +69,7 @@ impl Cell {
             self.gradients[k] += other.gradients[k];
         }
         if other.born > self.born {
-            (self.local, self.born, self.newest) = (other.local, other.born, other.newest);
+            (self.local, self.born, self.kept) = (other.local, other.born, other.kept);
             (self.object, self.depth) = (other.object, other.depth);
             self.points = other.points;
         }
@@ -258,9 +259,9 @@ impl Cells {
     }
 
     /// Takes a new sample in, seen at `at` (pixel coordinates in the map's view) and `depth`
-    /// metres. Returns its cell. What was just seen stands in front: a nearer cell in its pixel
-    /// is either of an edge or outdated.
-    pub(super) fn deposit(&mut self, fresh: &Fresh, at: Vec2, depth: f32) -> u32 {
+    /// metres. Returns its cell, which keeps the sample it has for `hold` seconds. What was just seen
+    /// stands in front: a nearer cell in its pixel is either of an edge or outdated.
+    pub(super) fn deposit(&mut self, fresh: &Fresh, at: Vec2, depth: f32, hold: f32) -> u32 {
         let pixel = self.pixel(at);
         let spot = self.plane.get_mut(pixel as usize);
         if let Some(spot) = spot
@@ -269,8 +270,10 @@ impl Cells {
         {
             cell.weight += 1.0;
             cell.mean += (fresh.colour - cell.mean) / cell.weight;
-            cell.refresh(fresh, depth);
-            spot.depth = depth;
+            if cell.object != fresh.object || fresh.born - cell.born >= hold {
+                cell.keep(fresh);
+            }
+            (cell.depth, spot.depth) = (depth, depth);
             return spot.front;
         }
         let index = self.pool.len() as u32;
@@ -279,7 +282,7 @@ impl Cells {
             born: fresh.born,
             mean: fresh.colour,
             weight: 1.0,
-            newest: [0; 3],
+            kept: [0; 3],
             object: fresh.object,
             points: fresh.points,
             pixel,
@@ -287,7 +290,7 @@ impl Cells {
             residuals: [0.0; 2],
             gradients: [0.0; 2],
         };
-        cell.refresh(fresh, depth);
+        cell.keep(fresh);
         self.pool.push(cell);
         if pixel != NONE {
             self.bring_forward(index);
@@ -304,7 +307,8 @@ impl Cells {
             cell.weight += 1.0;
             cell.mean += (fresh.colour - cell.mean) / cell.weight;
         }
-        cell.refresh(fresh, depth);
+        cell.keep(fresh);
+        cell.depth = depth;
     }
 
     /// Forgets a cell.
@@ -320,11 +324,11 @@ impl Cells {
 }
 
 impl Cell {
-    /// Makes a sample the newest of its cell.
-    fn refresh(&mut self, fresh: &Fresh, depth: f32) {
+    /// Keeps a sample for a second look.
+    fn keep(&mut self, fresh: &Fresh) {
         (self.local, self.born, self.object) = (fresh.local, fresh.born, fresh.object);
-        (self.depth, self.points) = (depth, fresh.points);
-        self.newest = fresh.colour.to_array().map(|c| (c + 0.5) as u8);
+        self.points = fresh.points;
+        self.kept = fresh.colour.to_array().map(|c| (c + 0.5) as u8);
     }
 
     /// How far a colour is from this cell's mean, squared levels.

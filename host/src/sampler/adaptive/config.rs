@@ -40,7 +40,7 @@ pub struct Config {
     /// is not true again because it no longer changes. Infinity lets it grow at once.
     pub recovery: f32,
     /// Whether a lifetime balances staleness against noise: the error of a tile whose samples
-    /// count for τ is about g²τ² + s²/(r·τ), least at τ³ = s²/(2·g²·r). Else samples live until
+    /// count for τ is about k·g²τ² + s²/(r·τ), least at τ³ = s²/(2k·g²·r). Else samples live until
     /// they are `tolerance` off.
     pub balanced: bool,
     /// The change of displayed level after which a sample has outlived itself.

@@ -116,13 +116,16 @@ impl Adaptive {
             return;
         };
         if find.pixel == NONE {
-            self.cells.deposit(fresh, at, depth);
+            self.cells.deposit(fresh, at, depth, 0.0);
             return;
         }
         let index = self.grid.of(find.pixel);
         self.learned.push(index as u32);
         let tile = &mut self.tiles[index];
-        let index = self.cells.deposit(fresh, at, depth);
+        // What changes within a lifetime is to be known, not what changes between two samples: light
+        // does not change evenly, and of jumps the slope over a short time is far too steep.
+        let hold = self.lifetimes.tau[self.lifetime_tiles[index] as usize];
+        let index = self.cells.deposit(fresh, at, depth, hold);
         tile.samples += 1.0;
         tile.colour += fresh.colour;
         if let Some(shown) = find.shown {

@@ -74,7 +74,7 @@ pub struct Adaptive {
     /// Objects seen so far, in the order of their first samples.
     objects: Vec<u8>,
     tiles: Vec<Tile>,
-    /// Of each tile: the error of a sample times its area, and the samples that it has; and the
+    /// Of each tile: the merit of a sample times its area, and the samples that it has; and the
     /// tiles that have learned since.
     errors: Vec<f32>,
     filled: Vec<f32>,

@@ -13,8 +13,8 @@ impl Adaptive {
         // A batch reaches a fifth of the tiles, and a square root for each costs.
         for tile in self.learned.drain(..) {
             let (i, tile) = (tile as usize, &self.tiles[tile as usize]);
-            let error = if c.residuals { tile.error(c) } else { 1.0 };
-            self.errors[i] = error * self.grid.areas[i];
+            let merit = if c.residuals { tile.merit(c) } else { 1.0 };
+            self.errors[i] = merit * self.grid.areas[i];
             self.filled[i] = if c.water_filling { tile.samples } else { 0.0 };
         }
         let mut errors = &self.errors;
@@ -74,7 +74,7 @@ impl Adaptive {
             if front != NONE {
                 let cell = &self.cells.pool[front as usize];
                 intent.cell = front;
-                (intent.colour, intent.born) = (cell.newest(), cell.born);
+                (intent.colour, intent.born) = (cell.kept(), cell.born);
                 if care.pattern {
                     (seed, care) = cell.points.get();
                 }

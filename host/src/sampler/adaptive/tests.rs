@@ -120,6 +120,67 @@ fn verification_measures_a_known_gradient() {
     assert!(tau[0] > 0.9, "the still corner lives {}", tau[0]);
 }
 
+#[test]
+fn second_looks_reach_back_a_lifetime() {
+    // Lifetimes of a tenth of a second, and 50 new samples a cell and second.
+    let stage = Stage {
+        panel_rate: 100.0,
+        checker: 0.0,
+        ..Stage::new(SIZE)
+    };
+    let mut sampler = Adaptive::new(
+        SIZE,
+        Config {
+            balanced: false,
+            ..Config::default()
+        },
+    );
+    work(&mut sampler, &stage, 0.0, 1.0);
+    let now = (1.0 - sampler.projection.time()) as f32;
+    let (mut ages, mut lives, mut count) = (0.0, 0.0, 0.0);
+    for (pixel, spot) in sampler.cells.plane.iter().enumerate() {
+        let pixel = pixel as u32;
+        let width = sampler.grid.size.x;
+        let at = (UVec2::new(pixel % width, pixel / width) * SIDE).as_vec2() + 1.0;
+        if let Some(cell) = sampler.cells.pool.get(spot.front as usize)
+            && on_panel(at, SIZE, 4.0)
+        {
+            ages += now - cell.born;
+            lives += sampler.lifetimes.tau[sampler.lifetime_tiles[sampler.grid.of(pixel)] as usize];
+            count += 1.0;
+        }
+    }
+    assert!(count > 50.0, "{count} cells");
+    // Evenly from none to one, and a second look in between begins anew.
+    let share = ages / lives;
+    assert!((0.35..0.75).contains(&share), "{share} of a lifetime old");
+}
+
+#[test]
+fn what_is_kept_for_a_second_look_is_of_the_cell() {
+    let mut cells = cells::Cells::new(UVec2::splat(8));
+    let fresh = |object, born, level| cells::Fresh {
+        local: Vec3::splat(born),
+        object,
+        colour: Vec3::splat(level),
+        born,
+        points: guidance::Points::new(0, crate::effects::care::Care::default()),
+    };
+    let at = Vec2::splat(3.5);
+    let index = cells.deposit(&fresh(1, 0.0, 10.0), at, 2.0, 0.1);
+    let kept = |cells: &cells::Cells| {
+        let cell = cells.pool[index as usize];
+        (cell.object, cell.born, cell.kept().x, cell.local.x)
+    };
+    assert_eq!(cells.deposit(&fresh(1, 0.05, 30.0), at, 2.0, 0.1), index);
+    assert_eq!(kept(&cells), (1, 0.0, 10.0, 0.0), "young enough");
+    assert_eq!(cells.pool[index as usize].mean.x, 20.0, "but it counts");
+    cells.deposit(&fresh(1, 0.11, 50.0), at, 2.0, 0.1);
+    assert_eq!(kept(&cells), (1, 0.11, 50.0, 0.11), "a lifetime later");
+    cells.deposit(&fresh(2, 0.12, 70.0), at, 2.0, 0.1);
+    assert_eq!(kept(&cells), (2, 0.12, 70.0, 0.12), "another object");
+}
+
 /// Which lifetime tiles the display is told to average for as long as it likes.
 fn told_to_rest(sampler: &Adaptive) -> Vec<bool> {
     let tiles = sampler.lifetimes().0.element_product() as usize;
@@ -209,7 +270,7 @@ fn shots_go_where_the_residual_is() {
         ..Config::default()
     });
     assert!(
-        adaptive > 2.0,
+        adaptive > 1.6,
         "{adaptive} times as dense on the changing panel"
     );
     assert!((0.9..1.1).contains(&blind), "{blind} without residuals");
@@ -290,14 +351,14 @@ fn errors_that_are_kept_are_those_of_the_tiles() {
     let stage = Stage {
         disc_speed: 1.0,
         swap: 0.25,
-        ..Stage::new(SIZE)
+        ..Stage::new(LARGE)
     };
-    let mut sampler = sampler();
+    let mut sampler = Adaptive::new(LARGE, Config::default());
     for epoch in 0..30 {
         work(&mut sampler, &stage, f64::from(epoch) / 60.0, 1.0 / 60.0);
         sampler.allocate(1);
         for (i, tile) in sampler.tiles.iter().enumerate() {
-            let error = tile.error(&sampler.config) * sampler.grid.areas[i];
+            let error = tile.merit(&sampler.config) * sampler.grid.areas[i];
             assert_eq!(sampler.errors[i], error, "tile {i} after epoch {epoch}");
             assert_eq!(sampler.filled[i], tile.samples, "tile {i} after {epoch}");
         }
@@ -310,9 +371,12 @@ fn a_cut_is_noticed_within_a_refresh_or_two() {
     let stage = Stage {
         swap: 0.5,
         disc_speed: 1.0,
-        ..Stage::new(SIZE)
+        ..Stage::new(LARGE)
     };
-    let mut sampler = sampler();
+    // Three samples a pixel and second. With four times as many, on a panel as small as `SIZE`, half
+    // of the memory is new before there are enough second looks to judge by: one seed in five
+    // takes longer.
+    let mut sampler = Adaptive::new(LARGE, Config::default());
     work(&mut sampler, &stage, 0.0, 0.5);
     assert_eq!(sampler.take_cut(), None);
     work(&mut sampler, &stage, 0.5, 2.0 / 60.0);

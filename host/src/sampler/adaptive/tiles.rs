@@ -7,6 +7,10 @@ use super::config::Config;
 /// Side of a tile, pixels of the map: 4 of the image.
 pub(super) const TILE: u32 = 4 / super::SIDE;
 
+/// The power of a tile's error that its samples are in proportion to. On the mean of six scenes 0.6
+/// and 1 are about 1 % worse, the latter by 5 % on the fox and by little elsewhere.
+const MERIT: f32 = 0.8;
+
 /// Sums over the front cells of a tile.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Tile {
@@ -27,10 +31,23 @@ impl Tile {
     /// The error of a sample here in displayed levels: the residuals' root mean square, drawn
     /// towards a prior where little is known.
     pub(super) fn error(&self, config: &Config) -> f32 {
+        self.squared_error(config).sqrt()
+    }
+
+    /// How many samples a pixel here should have, in proportion: the error's root would do for the
+    /// sum of squares, were all of it noise. But the larger the error, the more of it is what no
+    /// number of samples takes away (an edge in a pixel, a texture finer than the filter), so the
+    /// power is less than one.
+    pub(super) fn merit(&self, config: &Config) -> f32 {
+        self.squared_error(config).powf(0.5 * MERIT)
+    }
+
+    /// The square of [`Tile::error`].
+    fn squared_error(&self, config: &Config) -> f32 {
         let prior = config.prior_weight;
         let [b, br2] = self.residuals;
         let s2 = (br2 + prior * config.residual_prior * config.residual_prior) / (b + prior);
-        s2.sqrt().max(config.residual_floor)
+        s2.max(config.residual_floor * config.residual_floor)
     }
 }
 
