@@ -225,8 +225,12 @@ fn add(args: &EvalArgs, stage: &mut Stage, method: EvalMethod, rate: u32) {
     // A sample a pixel and refresh, whatever the rate asked for.
     let tenfold = u32::from(size.width) * u32::from(size.height) * REFRESH_HZ;
     let probes = stage.still || stage.first > 0;
-    // A question is asked once.
-    let seeds = if probes { 1 } else { u64::from(args.seeds) };
+    // What becomes of a still picture is asked once.
+    let seeds = if stage.still {
+        1
+    } else {
+        u64::from(args.seeds)
+    };
     for seed in 1..=seeds {
         let seed = if method.is_random() { seed } else { 1 };
         let job = Job {

@@ -163,8 +163,12 @@ pub struct Recovery {
     /// Camera samples a second.
     pub rate: u32,
     /// Milliseconds from the cut to the first of three refreshes in a row whose RMSE is at most
-    /// 1.2 times that of the same refresh without a cut; none if that never comes.
+    /// 1.2 times that of the same refresh without a cut, squared errors being averaged over the
+    /// seeds (one seed's refresh may be half as bad again for no reason but chance); none if that
+    /// never comes.
     pub milliseconds: Option<f64>,
+    /// The same for each seed alone.
+    pub each: Vec<Option<f64>>,
     /// RMSE of the first refresh after the cut.
     pub first_rmse: f64,
     /// RMSE without the cut, over all that was watched.
@@ -176,30 +180,53 @@ pub struct Recovery {
 }
 
 impl Recovery {
-    /// Of a cell with a cut at [`CUT_AT`] and the same without.
+    /// Of cells with a cut at [`CUT_AT`], which differ in their seeds, and of the same without.
+    /// None where a side has no cell.
     #[must_use]
-    pub fn of(cut: &Cell, steady: &Cell) -> Self {
-        let recovered: Vec<bool> = cut
-            .refreshes
-            .iter()
-            .zip(&steady.refreshes)
-            .map(|(a, b)| a.rmse <= RECOVERED * b.rmse)
-            .collect();
-        let back = recovered
-            .windows(IN_A_ROW)
-            .position(|row| row.iter().all(|ok| *ok));
-        let milliseconds = back.map(|index| 1000.0 * (cut.refreshes[index].time - CUT_AT));
-        Self {
-            scene: cut.scene.clone(),
-            method: cut.method.clone(),
-            rate: cut.rate,
+    pub fn of(cut: &[&Cell], steady: &[&Cell]) -> Option<Self> {
+        let (first, _) = (cut.first()?, steady.first()?);
+        let milliseconds = back(&over_seeds(cut), &over_seeds(steady));
+        let alone = |(a, b): (&&Cell, &&Cell)| back(&over_seeds(&[a]), &over_seeds(&[b]));
+        let root_mean = |values: &dyn Fn(&Cell) -> f64, cells: &[&Cell]| {
+            let sum: f64 = cells.iter().map(|cell| values(cell).powi(2)).sum();
+            (sum / cells.len() as f64).sqrt()
+        };
+        Some(Self {
+            scene: first.scene.clone(),
+            method: first.method.clone(),
+            rate: first.rate,
             milliseconds,
-            first_rmse: cut.refreshes.first().map_or(f64::NAN, |r| r.rmse),
-            steady_rmse: steady.rmse,
+            each: cut.iter().zip(steady).map(alone).collect(),
+            first_rmse: root_mean(&|c| c.refreshes.first().map_or(f64::NAN, |r| r.rmse), cut),
+            steady_rmse: root_mean(&|c| c.rmse, steady),
             limit: RECOVERY_LIMIT_MS,
             holds: milliseconds.is_some_and(|ms| ms <= RECOVERY_LIMIT_MS),
-        }
+        })
     }
+}
+
+/// Time, seconds, and RMSE of each refresh: the root of the mean of cells that differ in their
+/// seeds.
+#[must_use]
+pub fn over_seeds(cells: &[&Cell]) -> Vec<(f64, f64)> {
+    let times = cells.first().map_or(&[][..], |cell| &cell.refreshes);
+    let mean = |index: usize| {
+        let values = cells.iter().filter_map(|cell| cell.refreshes.get(index));
+        let squares: Vec<f64> = values.map(|r| r.rmse * r.rmse).collect();
+        (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+    };
+    let points = times.iter().enumerate();
+    points.map(|(index, r)| (r.time, mean(index))).collect()
+}
+
+/// Milliseconds from the cut until it is forgotten.
+fn back(cut: &[(f64, f64)], steady: &[(f64, f64)]) -> Option<f64> {
+    let pairs = cut.iter().zip(steady);
+    let recovered: Vec<bool> = pairs.map(|(a, b)| a.1 <= RECOVERED * b.1).collect();
+    let index = recovered
+        .windows(IN_A_ROW)
+        .position(|row| row.iter().all(|ok| *ok))?;
+    Some(1000.0 * (cut.get(index)?.0 - CUT_AT))
 }
 
 #[cfg(test)]
@@ -220,6 +247,29 @@ mod tests {
             moving.camera(1.5).eye.distance(b.eye) > 0.01,
             "and it did move"
         );
+    }
+
+    #[test]
+    fn a_cut_is_over_when_three_refreshes_in_a_row_are_back_on_the_mean_of_seeds() {
+        let cut = |first: [f64; 6], second: [f64; 6]| {
+            let curve: Vec<(f64, f64)> = (0..6)
+                .map(|i| {
+                    let mean = f64::midpoint(first[i].powi(2), second[i].powi(2)).sqrt();
+                    (CUT_AT + 0.01 * (i + 1) as f64, mean)
+                })
+                .collect();
+            back(
+                &curve,
+                &curve.iter().map(|p| (p.0, 10.0)).collect::<Vec<_>>(),
+            )
+        };
+        let calm = [30.0, 11.0, 11.0, 11.0, 11.0, 11.0];
+        assert!((cut(calm, calm).unwrap() - 20.0).abs() < 1e-6);
+        // Two are not enough, and what is back on the mean may be late in one.
+        let late = [30.0, 11.0, 11.0, 14.0, 11.0, 11.0];
+        assert_eq!(cut(late, late), None);
+        let early = [30.0, 8.0, 8.0, 8.0, 8.0, 8.0];
+        assert!((cut(late, early).unwrap() - 20.0).abs() < 1e-6);
     }
 
     #[test]

@@ -305,17 +305,18 @@ pub fn probed(cells: &[Cell], scenes: &[String]) -> (Vec<Convergence>, Vec<Recov
                 .map(Convergence::of),
         );
         let (cut, steady) = (plan::cut_name(scene), plan::steady_name(scene));
+        let mut asked: Vec<(&str, u32)> = Vec::new();
         for cell in cells.iter().filter(|c| c.scene == cut) {
-            let same = |c: &&Cell| {
-                c.scene == steady
-                    && (&c.method, c.rate, c.seed) == (&cell.method, cell.rate, cell.seed)
+            let question = (cell.method.as_str(), cell.rate);
+            if asked.contains(&question) {
+                continue;
+            }
+            asked.push(question);
+            let of = |scene: &str| -> Vec<&Cell> {
+                let same = |c: &&Cell| c.scene == scene && (c.method.as_str(), c.rate) == question;
+                cells.iter().filter(same).collect()
             };
-            cuts.extend(
-                cells
-                    .iter()
-                    .find(same)
-                    .map(|steady| Recovery::of(cell, steady)),
-            );
+            cuts.extend(Recovery::of(&of(&cut), &of(&steady)));
         }
     }
     (stills, cuts)

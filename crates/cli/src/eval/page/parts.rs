@@ -7,7 +7,7 @@ use anyhow::Result;
 use super::{Findings, scenes, short};
 use crate::eval::cell::Cell;
 use crate::eval::methods::EvalMethod;
-use crate::eval::probes::{CUT_AT, RECOVERED, STILL_LIMIT};
+use crate::eval::probes::{CUT_AT, RECOVERED, STILL_LIMIT, over_seeds};
 use crate::eval::store::slug;
 use crate::eval::table::{Ablation, Row};
 use crate::report::{Axis, Plot, Scale, Section, Table, write_file};
@@ -63,12 +63,11 @@ pub(super) fn ablations(ablations: &[Ablation], rows: &[Row]) -> Section {
 /// Error over time of still scenes and after cuts.
 pub(super) fn probes(findings: &Findings<'_>, dir: &Path) -> Result<Vec<Section>> {
     let found = findings.found;
-    let cell = |scene: &str, method: &str| {
-        findings
-            .cells
-            .iter()
-            .map(|(_, cell)| cell)
-            .find(|cell| cell.scene == scene && cell.method == method)
+    let all = |scene: &str, method: &str| -> Vec<&Cell> {
+        let cells = findings.cells.iter().map(|(_, cell)| cell);
+        cells
+            .filter(|cell| cell.scene == scene && cell.method == method)
+            .collect()
     };
     let mut sections = Vec::new();
     if !found.stills.is_empty() {
@@ -86,12 +85,8 @@ pub(super) fn probes(findings: &Findings<'_>, dir: &Path) -> Result<Vec<Section>
             "",
         ]);
         for still in &found.stills {
-            if let Some(cell) = cell(&still.scene, &still.method) {
-                plot = plot.line(
-                    format!("{} {}", still.scene, still.method),
-                    points(cell, 1.0),
-                );
-            }
+            let name = format!("{} {}", still.scene, still.method);
+            plot = plot.line(name, over_seeds(&all(&still.scene, &still.method)));
             let from = still.below_limit_from;
             table.row([
                 still.scene.clone(),
@@ -118,36 +113,42 @@ pub(super) fn probes(findings: &Findings<'_>, dir: &Path) -> Result<Vec<Section>
             "rate",
             "first RMSE",
             "steady RMSE",
-            "back after",
+            "back after, ms",
             "",
         ])
         .caption(
             "Everything jumps half a loop at the cut. Back: three refreshes in a row whose RMSE \
-             is at most 1.2 times that of the same refresh without a cut.",
+             is at most 1.2 times that of the same refresh without a cut. Squared errors are \
+             averaged over the seeds; in brackets, each seed alone.",
         );
         for cut in &found.cuts {
-            let back = cut.milliseconds;
+            let told = |ms: Option<f64>| ms.map_or_else(|| "never".into(), |ms| format!("{ms:.0}"));
+            let mut back = told(cut.milliseconds);
+            if cut.each.len() > 1 {
+                let each: Vec<String> = cut.each.iter().map(|ms| told(*ms)).collect();
+                back += &format!(" ({})", each.join(", "));
+            }
             table.row([
                 cut.scene.clone(),
                 cut.method.clone(),
                 short(cut.rate),
                 format!("{:.2}", cut.first_rmse),
                 format!("{:.2}", cut.steady_rmse),
-                back.map_or_else(|| "never".to_owned(), |ms| format!("{ms:.0} ms")),
+                back,
                 if cut.holds { "✓ holds" } else { "✗" }.to_owned(),
             ]);
             let steady = cut.scene.replace("-cut", "-without-cut");
-            let both = cell(&cut.scene, &cut.method).zip(cell(&steady, &cut.method));
-            if let Some((with, without)) = both
-                && cut.method == EvalMethod::Adaptive.name()
-            {
+            if cut.method == EvalMethod::Adaptive.name() {
+                let with = over_seeds(&all(&cut.scene, &cut.method));
+                let without = over_seeds(&all(&steady, &cut.method));
+                let without = without.into_iter().map(|(t, rmse)| (t, RECOVERED * rmse));
                 let title = format!("{}: RMSE around the cut", cut.scene);
                 let time = Axis::new("time, s", Scale::Linear);
                 let plot = Plot::new(title, time, crate::report::plot::rmse_axis())
-                    .line("with the cut", points(with, 1.0))
-                    .line("1.2 × without", points(without, RECOVERED))
+                    .line("with the cut", with)
+                    .line("1.2 × without", without.collect::<Vec<_>>())
                     .mark(CUT_AT, "cut");
-                section.plot(&plot, "Adaptive; first seed.")?;
+                section.plot(&plot, "Adaptive; mean of seeds.")?;
                 let name = format!("{}.svg", cut.scene);
                 write_file(&dir.join(name), plot.svg()?.as_bytes())?;
             }
@@ -156,9 +157,4 @@ pub(super) fn probes(findings: &Findings<'_>, dir: &Path) -> Result<Vec<Section>
         sections.push(section);
     }
     Ok(sections)
-}
-
-fn points(cell: &Cell, factor: f64) -> Vec<(f64, f64)> {
-    let point = |r: &crate::eval::cell::Point| (r.time, factor * r.rmse);
-    cell.refreshes.iter().map(point).collect()
 }
