@@ -34,6 +34,15 @@ fn sampler() -> Adaptive {
     Adaptive::new(SIZE, Config::default())
 }
 
+/// Whose lifetimes are the time in which light changes by the tolerance.
+fn by_tolerance(size: UVec2) -> Adaptive {
+    let config = Config {
+        balanced: false,
+        ..Config::default()
+    };
+    Adaptive::new(size, config)
+}
+
 /// Whether a pixel looks at the panel, `margin` pixels inside its edge.
 fn on_panel(p: Vec2, size: UVec2, margin: f32) -> bool {
     let half = PANEL / WALL * size.y as f32 - margin;
@@ -93,13 +102,7 @@ fn verification_measures_a_known_gradient() {
         checker: 0.0,
         ..Stage::new(LARGE)
     };
-    let mut sampler = Adaptive::new(
-        LARGE,
-        Config {
-            balanced: false,
-            ..Config::default()
-        },
-    );
+    let mut sampler = by_tolerance(LARGE);
     work(&mut sampler, &stage, 0.0, 1.0);
     let eye = stage.camera(1.0).eye;
     let (grid, tau) = sampler.lifetimes();
@@ -128,13 +131,7 @@ fn second_looks_reach_back_a_lifetime() {
         checker: 0.0,
         ..Stage::new(SIZE)
     };
-    let mut sampler = Adaptive::new(
-        SIZE,
-        Config {
-            balanced: false,
-            ..Config::default()
-        },
-    );
+    let mut sampler = by_tolerance(SIZE);
     work(&mut sampler, &stage, 0.0, 1.0);
     let now = (1.0 - sampler.projection.time()) as f32;
     let (mut ages, mut lives, mut count) = (0.0, 0.0, 0.0);
