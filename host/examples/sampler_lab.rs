@@ -152,10 +152,11 @@ fn turn_paper(config: &mut paper::Config, key: &str, number: f64) {
     }
 }
 
-/// Sets a knob of the display: `sigma` pixels and `lifetime` seconds everywhere, `hidden`, `linear`.
+/// Sets a knob of the display: `sigma` pixels (0: each sample for its own pixel) and `lifetime` seconds everywhere, `hidden`, `linear`.
 fn turn_display(config: &mut unframed_recon::Config, key: &str, number: f32) {
     let log = (number.log2() * 256.0) as i16;
     match key {
+        "sigma" if number == 0.0 => config.extents = Extents::Pixel,
         "sigma" => config.extents = Extents::Constant(log),
         "lifetime" => config.lifetime = Lifetime::Constant(log),
         "hidden" => config.hidden = number != 0.0,

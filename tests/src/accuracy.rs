@@ -352,7 +352,11 @@ impl<'a> Flipped<'a> {
         }
         let tolerance = CLOSE_DEPTHS + 2.0 * self.blur;
         let close = |a, b| (told_apart(a) - told_apart(b)).abs() * STEPS <= tolerance;
-        let widths = ours.widths.iter().zip(theirs.widths);
+        let widths = ours
+            .widths
+            .iter()
+            .flatten()
+            .zip(theirs.widths.iter().flatten());
         let apart = widths.map(|(a, b)| (f64::from(*a) - b * STEPS).abs());
         let apart = apart.fold(0.0, f64::max);
         let flips = &mut self.accuracy.flips;
@@ -376,6 +380,8 @@ impl<'a> Flipped<'a> {
             } else {
                 &mut flips.unexplained
             }
+        } else if ours.widths.is_none() && ours.pixel != theirs.pixel {
+            &mut flips.followed
         } else {
             self.accuracy.errors.width = self.accuracy.errors.width.max(apart);
             self.weigh(theirs);
@@ -388,8 +394,12 @@ impl<'a> Flipped<'a> {
     /// Adds a sample's shares to the weights.
     fn weigh(&mut self, theirs: &Decision<f64>) {
         let panel = self.panel;
+        let Some(widths) = theirs.widths else {
+            self.weights[theirs.pixel] += theirs.seen.weight;
+            return;
+        };
         let axis = |k: usize, v| {
-            let taps = f64::taps(panel, theirs.widths[k], v).weights;
+            let taps = f64::taps(panel, widths[k], v).weights;
             let first = f64::pixel(panel, v) - REACH;
             (first..).zip(taps).filter(|(_, tap)| *tap > 0.0)
         };
@@ -405,9 +415,14 @@ impl<'a> Flipped<'a> {
     /// Marks the pixels of a sample's footprint, in either arithmetic.
     fn reach(&mut self, ours: &Decision<Fixed>, theirs: &Decision<f64>) {
         let panel = self.panel;
+        let (Some(our_widths), Some(their_widths)) = (ours.widths, theirs.widths) else {
+            self.reached[ours.pixel] = true;
+            self.reached[theirs.pixel] = true;
+            return;
+        };
         let range = |k: usize, v, exact| {
-            let a = Fixed::taps(panel, ours.widths[k], v);
-            let b = f64::taps(panel, theirs.widths[k], exact);
+            let a = Fixed::taps(panel, our_widths[k], v);
+            let b = f64::taps(panel, their_widths[k], exact);
             let (own, exact) = (Fixed::pixel(panel, v), f64::pixel(panel, exact));
             (own + a.first).min(exact + b.first)..=(own + a.last).max(exact + b.last)
         };
@@ -459,7 +474,7 @@ mod tests {
             limit,
             near_mover: false,
             hidden: hidden[0],
-            widths: [0, 0],
+            widths: Some([0, 0]),
         };
         let theirs = Decision {
             seen: Projected {
@@ -475,7 +490,7 @@ mod tests {
             limit: f64::from(limit) / STEPS,
             near_mover: false,
             hidden: hidden[1],
-            widths: [0.0, 0.0],
+            widths: Some([0.0, 0.0]),
         };
         (Some(ours), Some(theirs))
     }

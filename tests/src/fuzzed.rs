@@ -44,7 +44,10 @@ pub fn stream(data: &[u8]) -> (Vec<u8>, Setting) {
     let mut config = NAMED[usize::from(data.below(4))].1;
     config.hidden ^= data.below(4) == 0;
     if data.below(4) == 0 {
-        config.extents = Extents::Constant(i16::from(data.byte()) * 4 - 512);
+        config.extents = match data.byte() {
+            width if width % 4 == 0 => Extents::Pixel,
+            width => Extents::Constant(i16::from(width) * 4 - 512),
+        };
     }
     let size = SIZES[usize::from(data.below(5))];
     let setting = Setting {
@@ -187,7 +190,7 @@ fn any_pose(data: &mut Bytes<'_>) -> Pose {
 /// Whether all filters end in zero: those wider than 4/3 px end in a step where a footprint ends.
 fn ends_in_zero(config: &Config) -> bool {
     match config.extents {
-        Extents::Density => true,
+        Extents::Density | Extents::Pixel => true,
         Extents::Constant(log) => log <= 106,
         Extents::Gradient => false,
     }

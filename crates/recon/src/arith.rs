@@ -5,6 +5,7 @@
 //! by design (tile codes, 8-bit colour) is discrete in all.
 
 use crate::config::TimeKernel;
+use crate::glance::Sure;
 use crate::lanes::LANES;
 use crate::motion::Past;
 use crate::taps::Taps;
@@ -27,6 +28,8 @@ pub struct Panel {
     pub extent_bits: u8,
     /// Fractional bits of a fixed-point coordinate: 16 − `extent_bits`, at most 7.
     pub frac_bits: u8,
+    /// How sure a glance is, see [`crate::glance`].
+    pub sure: Sure,
 }
 
 impl Panel {
@@ -47,6 +50,7 @@ impl Panel {
             height,
             extent_bits,
             frac_bits,
+            sure: Sure::of(extent_bits as u32),
         })
     }
 
@@ -151,7 +155,7 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
     fn seen(panel: &Panel, sight: &Self::Sight) -> (Self::Coord, Self::Coord, Self::Depth);
 
     /// Where a lattice point is seen: x, y and depth; `None` behind the eye or beyond the guard.
-    #[inline]
+    #[inline(always)]
     fn project(
         transform: &Self::Transform,
         panel: &Panel,
@@ -159,6 +163,18 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
     ) -> Option<(Self::Coord, Self::Coord, Self::Depth)> {
         let (sight, inside) = Self::sight(transform, panel, place);
         inside.then(|| Self::seen(panel, &sight))
+    }
+
+    /// The pixel of the panel in which a lattice point is seen, the one that [`Arith::project`] and
+    /// [`Arith::pixel`] name.
+    fn falls(transform: &Self::Transform, panel: &Panel, place: [i16; 3]) -> Option<usize> {
+        Self::project(transform, panel, place).and_then(|(x, y, _)| Self::within(panel, x, y))
+    }
+
+    /// The pixel of the panel at coordinates.
+    #[inline]
+    fn within(panel: &Panel, x: Self::Coord, y: Self::Coord) -> Option<usize> {
+        panel.inside(Self::pixel(panel, x), Self::pixel(panel, y))
     }
 
     /// The coordinate of 1/16 pixels from the panel's edge.
@@ -279,9 +295,11 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
     /// coarser level: confidence-weighted mean, confidences added up to 1.
     fn pull(children: [Texel<Self>; 4]) -> Texel<Self>;
 
-    /// A texel, what it lacks in confidence made up from coarser ones (weights 9, 3, 3, 1 of 16),
-    /// which are asked for where it lacks any.
-    fn push(fine: Texel<Self>, coarse: impl FnOnce() -> [Texel<Self>; 4]) -> Texel<Self>;
+    /// Whether there is more to be known.
+    fn lacks(confidence: Self::Confidence) -> bool;
+
+    /// A texel, what it lacks in confidence made up from coarser ones (weights 9, 3, 3, 1 of 16).
+    fn push(fine: Texel<Self>, coarse: [Texel<Self>; 4]) -> Texel<Self>;
 
     /// A light as 16 bits, rounded.
     fn to_u16(light: Self::Light) -> u16;

@@ -23,6 +23,8 @@ pub enum Extents {
     Density,
     /// Extents from the tiles' gradients and sampling density (Dayal et al. 2005 §5.1).
     Gradient,
+    /// No filter: a sample counts for the pixel that it falls into, and for no other.
+    Pixel,
 }
 
 /// What gives a sample's lifetime.

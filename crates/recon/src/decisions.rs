@@ -27,8 +27,8 @@ pub struct Decision<A: Arith> {
     pub reach: [A::Depth; 2],
     /// Whether it was hidden.
     pub hidden: bool,
-    /// Its filter widths in x and y.
-    pub widths: [A::Log; 2],
+    /// Its filter widths in x and y; `None` where it counts for its pixel alone.
+    pub widths: Option<[A::Log; 2]>,
 }
 
 impl<A: Arith, W: Workers> Display<'_, A, W> {

@@ -40,7 +40,7 @@ impl Light {
 }
 
 /// Shows what filter and mean know of a pixel; where both know nothing it keeps what it shows.
-#[inline]
+#[inline(always)]
 fn show<A: Arith>(light: Light, texel: &Texel<A>, mean: &Mean, pixel: &mut [u8; 3]) {
     let known = texel.confidence != A::Confidence::default();
     if known || mean.count > 0 {

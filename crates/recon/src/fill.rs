@@ -148,16 +148,17 @@ fn push_level<A: Arith>(
         let row = |y: usize| coarse.get(y * below.0..).unwrap_or_default();
         let (near, far) = (row(y / 2), row(beside(y, below.1)));
         for (x, texel) in line.iter_mut().enumerate() {
-            let around = || {
-                let (near_x, far_x) = (x / 2, beside(x, below.0));
-                let at = |row: &[Texel<A>], x: usize| row.get(x).copied().unwrap_or_default();
-                [
-                    at(near, near_x),
-                    at(near, far_x),
-                    at(far, near_x),
-                    at(far, far_x),
-                ]
-            };
+            if !A::lacks(texel.confidence) {
+                continue;
+            }
+            let (near_x, far_x) = (x / 2, beside(x, below.0));
+            let at = |row: &[Texel<A>], x: usize| row.get(x).copied().unwrap_or_default();
+            let around = [
+                at(near, near_x),
+                at(near, far_x),
+                at(far, near_x),
+                at(far, far_x),
+            ];
             *texel = A::push(*texel, around);
         }
     }

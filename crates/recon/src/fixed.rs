@@ -3,8 +3,9 @@
 use crate::arith::{ANCHOR_BITS, Arith, GUARD, Moments, Panel, Sums, Texel};
 use crate::config::TimeKernel;
 use crate::extents;
+use crate::glance::Seen;
 use crate::lanes::{self, Factor, LANES, Pair};
-use crate::num::{Divider, log2_q11, mul_hi, normalise, reciprocal};
+use crate::num::{Divider, log2_q11, mul_hi, normalise, reciprocal, upper};
 use crate::tables::{TIME, TIME_FIRST, TIME_LEN};
 use crate::taps::{self, DISTANCE_BITS, Taps};
 use crate::tiles::{CELL, CELL_BITS, Cell, TileMap};
@@ -38,6 +39,54 @@ pub struct Sight {
     y: u64,
     w: u64,
     exponent: i32,
+}
+
+/// The numerator of a coordinate from the guard band's edge on.
+#[inline(always)]
+fn from_guard(n: i64, w: i64) -> i64 {
+    // |n| < 2^50, so the products with at most 2^12 cannot overflow.
+    n + w * i64::from(GUARD)
+}
+
+/// Whether a coordinate is neither below zero nor beyond the guard.
+#[inline(always)]
+fn in_sight(v: i64, w: i64, size: u16) -> bool {
+    let limit = w * (i64::from(size) + 2 * i64::from(GUARD));
+    // One comparison.
+    (v as u64) < limit as u64
+}
+
+/// The pixel of the panel in which a lattice point is seen, exactly. Seldom called.
+#[inline(never)]
+fn look(transform: &Transform, panel: &Panel, place: [i16; 3]) -> Option<usize> {
+    let (x, y, _) = Fixed::project(transform, panel, place)?;
+    Fixed::within(panel, x, y)
+}
+
+/// Division by a distance below 2^50.
+struct Distance {
+    inverse: u32,
+    up: u32,
+    drop: u32,
+}
+
+impl Distance {
+    #[inline(always)]
+    fn new(panel: &Panel, w: u64) -> Self {
+        let extent = u32::from(panel.extent_bits);
+        Self {
+            inverse: reciprocal(normalise(w)),
+            // A distance has more leading zeros than `extent`.
+            up: w.leading_zeros().wrapping_sub(extent),
+            drop: 31 - extent - u32::from(panel.frac_bits),
+        }
+    }
+
+    /// The coordinate of a numerator below the distance times 2^`extent_bits`.
+    #[inline(always)]
+    fn part(&self, v: u64) -> u16 {
+        (mul_hi(upper(v, self.up), self.inverse) >> self.drop) as u16
+    }
 }
 
 /// A coordinate's place in distance units from the guard's edge: the middle of its step.
@@ -99,18 +148,11 @@ impl Arith for Fixed {
         Transform::compose(view, pose)
     }
 
-    #[inline]
+    #[inline(always)]
     fn sight(transform: &Transform, panel: &Panel, place: [i16; 3]) -> (Sight, bool) {
         let [nx, ny, w] = transform.numerators(place);
-        // |n| < 2^50, so the products with at most 2^12 cannot overflow.
-        let x = nx + w * i64::from(GUARD);
-        let y = ny + w * i64::from(GUARD);
-        // Neither below zero nor beyond the guard: one comparison.
-        let within = |v: i64, size: u16| {
-            let limit = w * (i64::from(size) + 2 * i64::from(GUARD));
-            (v as u64) < limit as u64
-        };
-        let inside = (w > 0) & within(x, panel.width) & within(y, panel.height);
+        let (x, y) = (from_guard(nx, w), from_guard(ny, w));
+        let inside = (w > 0) & in_sight(x, w, panel.width) & in_sight(y, w, panel.height);
         let sight = Sight {
             x: x as u64,
             y: y as u64,
@@ -120,17 +162,23 @@ impl Arith for Fixed {
         (sight, inside)
     }
 
-    #[inline]
+    #[inline(always)]
     fn seen(panel: &Panel, sight: &Sight) -> (u16, u16, u16) {
-        let inverse = reciprocal(normalise(sight.w));
-        let extent = u32::from(panel.extent_bits);
-        let drop = 31 - extent - u32::from(panel.frac_bits);
-        // w < 2^50, so that it has more leading zeros than `extent`; x and y are below w·2^extent.
-        let up = sight.w.leading_zeros().saturating_sub(extent);
-        let quotient = |v: u64| (mul_hi(((v << up) >> 32) as u32, inverse) >> drop) as u16;
+        let distance = Distance::new(panel, sight.w);
         let depth = log2_q11(sight.w) + (sight.exponent - DEPTH_FIRST) * 2048;
         let depth = depth.clamp(0, 65534) as u16;
-        (quotient(sight.x), quotient(sight.y), depth)
+        (distance.part(sight.x), distance.part(sight.y), depth)
+    }
+
+    #[inline]
+    fn falls(transform: &Transform, panel: &Panel, place: [i16; 3]) -> Option<usize> {
+        match transform.glance.at(panel, place) {
+            Seen::At(column, row) => {
+                Some(row as usize * usize::from(panel.width) + column as usize)
+            }
+            Seen::Outside => None,
+            Seen::Unsure => look(transform, panel, place),
+        }
     }
 
     #[inline]
@@ -143,7 +191,7 @@ impl Arith for Fixed {
         ((i32::from(v) << 4) >> panel.frac_bits) - (GUARD << 4)
     }
 
-    #[inline]
+    #[inline(always)]
     fn pixel(panel: &Panel, v: u16) -> i32 {
         i32::from(v >> panel.frac_bits) - GUARD
     }
@@ -224,15 +272,11 @@ impl Arith for Fixed {
         (log2_q11(u64::from(age)) - LOG2_MICROS).max(i16::MIN.into()) as i16
     }
 
-    #[inline]
+    #[inline(always)]
     fn decline(kernel: TimeKernel, cutoff: u16, age: i16, lifetime: i16) -> u16 {
-        let table = match kernel {
-            TimeKernel::Rational => &TIME[0],
-            TimeKernel::Gaussian => &TIME[1],
-            TimeKernel::Exponential => &TIME[2],
-        };
-        let log = i32::from(age) - i32::from(lifetime);
-        let u = (log - 8 * TIME_FIRST).max(0) as usize;
+        let table = &TIME[kernel as usize];
+        let u = i32::from(age) - 8 * TIME_FIRST - i32::from(lifetime);
+        let u = u.max(0) as usize;
         // Chosen afterwards: many samples of a busy tile are beyond the table, in no order.
         let last = TIME_LEN - 2;
         let at = (u >> 3).min(last);
@@ -418,6 +462,15 @@ impl Arith for Fixed {
         if total == 0 {
             return Texel::default();
         }
+        if total == 4 * ONE {
+            // What follows, of four that are all known: halves are rounded down.
+            let sum = |c: usize| children.iter().map(|t| u32::from(t.light[c])).sum::<u32>();
+            let light = |c: usize| ((sum(c) + 1) >> 2) as u16;
+            return Texel {
+                light: [light(0), light(1), light(2)],
+                confidence: ONE as u16,
+            };
+        }
         let divider = Divider::new(u64::from(total));
         let light = |c: usize| {
             let of = |t: &Texel<Self>| u64::from(t.light[c]) * u64::from(t.confidence);
@@ -431,12 +484,13 @@ impl Arith for Fixed {
     }
 
     #[inline]
-    fn push(fine: Texel<Self>, coarse: impl FnOnce() -> [Texel<Self>; 4]) -> Texel<Self> {
-        let own = u32::from(fine.confidence);
-        if own >= ONE {
-            return fine;
-        }
-        let coarse = coarse();
+    fn lacks(confidence: u16) -> bool {
+        u32::from(confidence) < ONE
+    }
+
+    #[inline]
+    fn push(fine: Texel<Self>, coarse: [Texel<Self>; 4]) -> Texel<Self> {
+        let own = u32::from(fine.confidence).min(ONE);
         let light = |c: usize| {
             let of = |i: usize| u32::from(coarse[i].light[c]);
             let around = (9 * of(0) + 3 * of(1) + 3 * of(2) + of(3) + 8) >> 4;
@@ -463,7 +517,8 @@ fn to_light(v: i64) -> u16 {
 /// The same of a mean, at most 65535 but for rounding.
 #[inline]
 fn mean_light(v: u32) -> u16 {
-    ((v + (1 << 14)) >> 15).min(65535) as u16
+    // Below 2^31 as it is; signed, since processors have an instruction for that.
+    ((v as i32 + (1 << 14)) >> 15).clamp(0, 65535) as u16
 }
 
 /// min(1, weight/0.3).

@@ -367,12 +367,12 @@ macro_rules! float_arith {
                 }
             }
 
-            fn push(fine: Texel<Self>, coarse: impl FnOnce() -> [Texel<Self>; 4]) -> Texel<Self> {
-                let own = fine.confidence;
-                if own >= 1.0 {
-                    return fine;
-                }
-                let coarse = coarse();
+            fn lacks(confidence: $float) -> bool {
+                confidence < 1.0
+            }
+
+            fn push(fine: Texel<Self>, coarse: [Texel<Self>; 4]) -> Texel<Self> {
+                let own = fine.confidence.min(1.0);
                 let light = [0, 1, 2].map(|c| {
                     let around: $float = coarse
                         .iter()

@@ -38,6 +38,7 @@ pub mod fill;
 pub mod fixed;
 #[cfg(feature = "float")]
 pub mod float;
+pub mod glance;
 #[cfg(feature = "heap")]
 pub mod heap;
 pub mod hidden;
@@ -45,6 +46,7 @@ pub mod lanes;
 pub mod memory;
 pub mod motion;
 pub mod num;
+pub mod own;
 mod picture;
 pub mod player;
 pub mod project;

@@ -5,7 +5,7 @@
 use crate::tables::{EXP2_Q15, LOG2_Q11};
 
 /// The high 32 bits of a 32 × 32-bit product.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub const fn mul_hi(a: u32, b: u32) -> u32 {
     ((a as u64 * b as u64) >> 32) as u32
@@ -16,13 +16,11 @@ pub const fn mul_hi(a: u32, b: u32) -> u32 {
 ///
 /// A 32-bit division seeds 16 good bits and one Newton step `r ← r(2 − d·r)` doubles them.
 /// For any other `d` the result is meaningless but defined.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub const fn reciprocal(d: u32) -> u32 {
-    let seed = match u32::MAX.checked_div(d >> 16) {
-        Some(quotient) => quotient << 15,
-        None => u32::MAX,
-    };
+    // The bit is set where `d` is normalised; now the compiler knows, too, that it is not 0.
+    let seed = (u32::MAX / (d >> 16 | 1 << 15)) << 15;
     let error = mul_hi(d, seed).wrapping_neg();
     let (hi, lo) = {
         let product = seed as u64 * error as u64;
@@ -60,10 +58,34 @@ pub const fn shift(v: i64, by: i32) -> i64 {
 }
 
 /// The top 32 bits of a positive value, its leading one moved to bit 31.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub const fn normalise(v: u64) -> u32 {
-    ((v << v.leading_zeros()) >> 32) as u32
+    let (high, low) = ((v >> 32) as u32, v as u32);
+    if cfg!(target_pointer_width = "64") {
+        ((v << (v.leading_zeros() & 63)) >> 32) as u32
+    } else if high == 0 {
+        low << (low.leading_zeros() & 31)
+    } else {
+        let up = high.leading_zeros() & 31;
+        high << up | low >> 1 >> (31 - up)
+    }
+}
+
+/// Bits 32 to 63 of `v · 2^up`, `up` below 64.
+#[inline(always)]
+#[must_use]
+pub const fn upper(v: u64, up: u32) -> u32 {
+    if cfg!(target_pointer_width = "64") {
+        ((v << (up & 63)) >> 32) as u32
+    } else if up & 32 == 0 {
+        // Halves are shifted one by one where registers are that wide; which of the two it is
+        // hardly changes from one sample to the next.
+        let up = up & 31;
+        ((v >> 32) as u32) << up | v as u32 >> 1 >> (31 - up)
+    } else {
+        (v as u32) << (up & 31)
+    }
 }
 
 /// log2 with 11 fractional bits, from a table of 64 chords; within 1.25 units of the true
@@ -174,8 +196,8 @@ impl Divider {
     #[inline]
     #[must_use]
     pub const fn part(self, v: u64, bits: u32) -> u32 {
-        let up = (self.zeros as u32).wrapping_sub(bits) & 63;
-        mul_hi(((v << up) >> 32) as u32, self.reciprocal)
+        let up = (self.zeros as u32).wrapping_sub(bits);
+        mul_hi(upper(v, up), self.reciprocal)
     }
 }
 

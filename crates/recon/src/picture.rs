@@ -1,6 +1,6 @@
 //! The stages of a refresh, each shared out among the workers.
 
-use crate::arith::Arith;
+use crate::arith::{Arith, Sums};
 use crate::bins::{self, Grid, Runs};
 use crate::config::{Extents, Lifetime};
 use crate::display::Display;
@@ -9,7 +9,7 @@ use crate::motion::Reach;
 use crate::project::Instant;
 use crate::splat::{Filter, Target, Widths};
 use crate::workers::{MAX_PARTS, Parts, Workers, take};
-use crate::{hidden, solve, splat};
+use crate::{hidden, own, solve, splat};
 use core::hint::select_unpredictable;
 use core::ops::Range;
 use unframed_wire::Tick;
@@ -71,6 +71,12 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
             now,
         };
         let stored = self.deep.samples_mut();
+        if !sorts && own::applies(&config) {
+            self.sums.fill(Sums::<A>::default());
+            own::add(&instant, config.light.table(), stored, self.sums);
+            solve::means::<A>(self.sums, self.texels);
+            return;
+        }
         let stride = stored.len().div_ceil(stretches).max(1);
         let starts = self.starts.get_mut(..stretches * entries);
         let starts = starts.unwrap_or(&mut []);

@@ -33,7 +33,7 @@ pub struct Instant<'a, A: Arith> {
 /// What follows from a sample's time.
 #[derive(Clone, Copy)]
 pub(crate) struct Age<A: Arith> {
-    log: A::Log,
+    pub(crate) log: A::Log,
     past: Past,
 }
 
@@ -42,7 +42,7 @@ pub(crate) struct Age<A: Arith> {
 const BLOCK: usize = 16;
 
 /// Where a sample is seen now: place and depth; `None` where it is out of sight.
-#[inline]
+#[inline(always)]
 pub fn locate<A: Arith>(
     panel: &Panel,
     slots: &[Slot<A>],
@@ -82,8 +82,65 @@ impl<A: Arith> Instant<'_, A> {
         starts: &mut [u32],
     ) -> usize {
         starts.fill(0);
-        let longest = self.longest();
         let mut len = 0;
+        self.each(samples, |seen| {
+            // Written whether it counts or not: half a chance is more than a branch that is not
+            // foreseen costs.
+            let counts = A::counts(seen.weight);
+            if let Some(place) = projected.get_mut(len) {
+                *place = seen;
+                len += usize::from(counts);
+            }
+            if let Some(count) = starts.get_mut(grid.tile(self.panel, &seen) + 1) {
+                *count += u32::from(counts);
+            }
+        });
+        bins::sum(starts);
+        len
+    }
+
+    /// Moves samples to the instant and hands over those in sight, in their order. Samples too old
+    /// to be told from young ones are emptied.
+    #[inline]
+    pub fn each(&self, samples: &mut [Stored], sink: impl FnMut(Projected<A>)) {
+        if UNROLLS {
+            self.each_in_blocks(samples, sink);
+        } else {
+            self.each_alone(samples, sink);
+        }
+    }
+
+    /// One after the other: for processors that do one thing at a time.
+    #[inline]
+    fn each_alone(&self, samples: &mut [Stored], mut sink: impl FnMut(Projected<A>)) {
+        let longest = self.longest();
+        let age_of = |time: u32| {
+            let age = self.age(time);
+            let counts = |age: &Age<A>| A::counts(self.decline(age.log, longest));
+            (age, age.as_ref().is_some_and(counts))
+        };
+        // Samples of a packet share their time.
+        let mut time = self.now.0;
+        let (mut age, mut counts) = age_of(time);
+        for sample in samples {
+            if sample.time != time {
+                time = sample.time;
+                (age, counts) = age_of(time);
+            }
+            let Some(age) = &age else {
+                sample.placing = Placing::Empty;
+                continue;
+            };
+            if counts && let Some(place) = locate(self.panel, self.slots, sample) {
+                sink(self.weigh(sample, age, place));
+            }
+        }
+    }
+
+    /// Block by block: loops that do one thing each.
+    #[inline]
+    fn each_in_blocks(&self, samples: &mut [Stored], mut sink: impl FnMut(Projected<A>)) {
+        let longest = self.longest();
         let mut places = [(<_>::default(), <_>::default(), <_>::default(), 0); BLOCK];
         let mut rest = samples;
         while let Some(&Stored { time, placing, .. }) = rest.first() {
@@ -105,28 +162,16 @@ impl<A: Arith> Instant<'_, A> {
                 let Some(sample) = block.get(*index) else {
                     continue;
                 };
-                let seen = self.weigh(sample, &age, (*x, *y, *depth));
-                // Written whether it counts or not: half a chance is more than a branch that is
-                // not foreseen costs.
-                let counts = A::counts(seen.weight);
-                if let Some(place) = projected.get_mut(len) {
-                    *place = seen;
-                    len += usize::from(counts);
-                }
-                if let Some(count) = starts.get_mut(grid.tile(self.panel, &seen) + 1) {
-                    *count += u32::from(counts);
-                }
+                sink(self.weigh(sample, &age, (*x, *y, *depth)));
             }
         }
-        bins::sum(starts);
-        len
     }
 
     /// Where the samples in sight of a block, all placed in the same way, are seen, with their
     /// indices; returns their number.
     fn places(&self, placing: Placing, block: &[Stored], places: &mut [Seen<A>; BLOCK]) -> usize {
         let mut len = 0;
-        if UNROLLS && placing == Placing::Lattice {
+        if placing == Placing::Lattice {
             let mut sights = [(A::Sight::default(), 0); BLOCK];
             for (index, sample) in block.iter().enumerate() {
                 let slot = self.slots.get(usize::from(sample.slot));
@@ -157,7 +202,7 @@ impl<A: Arith> Instant<'_, A> {
 
     /// No lifetime is longer: what is too old for this one counts nowhere, and nobody need ask
     /// where it is.
-    fn longest(&self) -> A::Log {
+    pub(crate) fn longest(&self) -> A::Log {
         A::log(match self.config.lifetime {
             Lifetime::Constant(log) => log,
             Lifetime::Tiles => self.tiles.longest().log2_q8() as i16,
@@ -178,9 +223,15 @@ impl<A: Arith> Instant<'_, A> {
         })
     }
 
+    /// View and pose of an object composed, if both are known.
+    #[inline]
+    pub(crate) fn transform(&self, slot: u8) -> Option<&A::Transform> {
+        self.slots.get(usize::from(slot))?.transform.as_ref()
+    }
+
     /// The weight at an age.
     #[inline]
-    fn decline(&self, age: A::Log, lifetime: A::Log) -> A::Weight {
+    pub(crate) fn decline(&self, age: A::Log, lifetime: A::Log) -> A::Weight {
         A::decline(self.config.kernel, self.config.cutoff, age, lifetime)
     }
 

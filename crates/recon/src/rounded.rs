@@ -242,8 +242,12 @@ impl<B: Bits> Arith for Rounded<B> {
         rounded(f64::pull(children.map(exact)))
     }
 
-    fn push(fine: Texel<Self>, coarse: impl FnOnce() -> [Texel<Self>; 4]) -> Texel<Self> {
-        rounded(f64::push(exact(fine), || coarse().map(exact)))
+    fn lacks(confidence: f64) -> bool {
+        f64::lacks(confidence)
+    }
+
+    fn push(fine: Texel<Self>, coarse: [Texel<Self>; 4]) -> Texel<Self> {
+        rounded(f64::push(exact(fine), coarse.map(exact)))
     }
 
     fn to_u16(light: f64) -> u16 {

@@ -61,6 +61,8 @@ pub enum Widths<'a, A: Arith> {
     Constant(A::Log),
     /// The gradients of the tiles.
     Tiles(&'a TileMap<'a>),
+    /// None: each sample counts for its pixel.
+    Pixel,
 }
 
 impl<'a, A: Arith> Widths<'a, A> {
@@ -70,20 +72,22 @@ impl<'a, A: Arith> Widths<'a, A> {
             Extents::Density => Self::Map(map),
             Extents::Constant(log) => Self::Constant(A::width(log.into())),
             Extents::Gradient => Self::Tiles(tiles),
+            Extents::Pixel => Self::Pixel,
         }
     }
 
-    /// The widths of a sample, in x and y.
+    /// The widths of a sample, in x and y; `None` where it counts for its pixel alone.
     #[inline]
-    pub fn of(&self, panel: &Panel, at: &Projected<A>) -> [A::Log; 2] {
-        match self {
+    pub fn of(&self, panel: &Panel, at: &Projected<A>) -> Option<[A::Log; 2]> {
+        Some(match self {
             Widths::Map(map) => {
                 let (x, y) = (A::pixel(panel, at.x), A::pixel(panel, at.y));
                 [map.get(panel.nearest(x, y)).copied().unwrap_or_default(); 2]
             }
             Widths::Constant(width) => [*width; 2],
             Widths::Tiles(map) => gradient_widths(map, panel, at),
-        }
+            Widths::Pixel => return None,
+        })
     }
 }
 
@@ -138,6 +142,32 @@ impl<A: Arith> Filter<'_, A> {
         }
     }
 
+    /// A sample's light.
+    #[inline]
+    pub fn light_of(&self, rgb: [u8; 3]) -> [A::Light; 3] {
+        rgb.map(|code| A::light(self.light[usize::from(code)]))
+    }
+
+    /// Adds one sample to its own pixel, if that is one of the band.
+    #[inline]
+    pub fn own(&self, at: &Projected<A>, target: &mut Target<'_, A>) {
+        let panel = self.panel;
+        let (x, y) = (A::pixel(panel, at.x), A::pixel(panel, at.y));
+        let first = target.lines.start * usize::from(panel.width);
+        let Some(own) = panel.inside(x, y).and_then(|own| own.checked_sub(first)) else {
+            return;
+        };
+        let anchor = (x >> ANCHOR_BITS, y >> ANCHOR_BITS);
+        let features = A::features(panel, self.light_of(at.rgb), (at.x, at.y), anchor);
+        let weight = A::factor(at.weight);
+        if let Some(sums) = target.sums.get_mut(own) {
+            A::add(sums, weight, &features);
+        }
+        if let Some(moments) = target.moments.get_mut(own) {
+            A::add_moments(moments, weight, &features);
+        }
+    }
+
     /// Adds one sample's share to the pixels of its footprint.
     #[inline]
     fn splat<const PLANES: bool>(&self, at: &Projected<A>, target: &mut Target<'_, A>) {
@@ -150,13 +180,15 @@ impl<A: Arith> Filter<'_, A> {
         if y + REACH < band.start || y - REACH >= band.end {
             return;
         }
-        let [wide, high] = self.widths.of(panel, at);
+        let Some([wide, high]) = self.widths.of(panel, at) else {
+            return self.own(at, target);
+        };
         let down = A::taps(panel, high, at.y);
         let across = A::taps(panel, wide, at.x);
         let footprint = Footprint {
             at,
             pixel: (x, y),
-            light: at.rgb.map(|code| A::light(self.light[usize::from(code)])),
+            light: self.light_of(at.rgb),
             down: &down,
             across: &across,
         };

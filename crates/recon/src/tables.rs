@@ -152,6 +152,17 @@ pub static SRGB_FROM: [u16; 256] = {
     table
 };
 
+/// The greatest linear light that rounds to each sRGB code.
+static SRGB_UP_TO: [u16; 256] = {
+    let mut table = [u16::MAX; 256];
+    let mut c = 0;
+    while c < 255 {
+        table[c] = SRGB_FROM[c + 1] - 1;
+        c += 1;
+    }
+    table
+};
+
 /// A lower bound of the sRGB code of each top 12 bits of linear light.
 pub static SRGB_GUESS: [u8; 4096] = {
     let mut table = [0; 4096];
@@ -174,8 +185,7 @@ pub fn linear_to_srgb(light: u16) -> u8 {
     let code = SRGB_GUESS[usize::from(light >> 4)];
     // One step of 2^-12 spans at most one code boundary (the steepest slope is 12.92·255/4096):
     // which, no processor foresees, so it is added rather than branched on.
-    let next = code.saturating_add(1);
-    code + (u8::from(next > code) & u8::from(SRGB_FROM[usize::from(next)] <= light))
+    code + u8::from(light > SRGB_UP_TO[usize::from(code)])
 }
 
 /// The 8-bit code nearest to a light of 16 bits that is spread evenly over the codes.

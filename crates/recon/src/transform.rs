@@ -5,6 +5,7 @@
 //!
 //! `n_k = Σ_j r_kj·(t_j − e_j) + Σ_i (Σ_j r_kj·m_ji)·q_i`, pixel = (n_0/n_2, n_1/n_2), depth n_2.
 
+use crate::glance::Glance;
 use crate::num::{exponent, shift};
 use unframed_wire::{Pose, View};
 
@@ -45,6 +46,8 @@ pub struct Transform {
     pub offset: [i64; 3],
     /// log2 of the unit of the numerators.
     pub exponent: i32,
+    /// The same with fewer digits.
+    pub glance: Glance,
 }
 
 impl Transform {
@@ -76,9 +79,12 @@ impl Transform {
         let narrow = (exponent(largest) - 29)
             .max(exponent(farthest) + frac - 48)
             .max(0);
+        let matrix = wide.map(|row| row.map(|v| rounded(v, narrow) as i32));
+        let offset = offset.map(|v| shift(v, frac - narrow));
         Self {
-            matrix: wide.map(|row| row.map(|v| rounded(v, narrow) as i32)),
-            offset: offset.map(|v| shift(v, frac - narrow)),
+            matrix,
+            offset,
+            glance: Glance::new(&matrix, &offset),
             exponent: narrow - frac - i32::from(view.frac_bits),
         }
     }

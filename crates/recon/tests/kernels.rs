@@ -307,8 +307,8 @@ proptest! {
     /// One texel from four: two roundings.
     #[test]
     fn push(fine in texel(), coarse in prop::array::uniform4(texel())) {
-        let ours = Fixed::push(fine.0, || coarse.map(|c| c.0));
-        let (light, confidence) = apart(ours, f64::push(fine.1, || coarse.map(|c| c.1)));
+        let ours = Fixed::push(fine.0, coarse.map(|c| c.0));
+        let (light, confidence) = apart(ours, f64::push(fine.1, coarse.map(|c| c.1)));
         PUSH.see("push, light", light);
         prop_assert!(light <= 1.0 && confidence <= 1e-6, "{light} {confidence}");
     }

@@ -44,7 +44,21 @@ fn sharing_the_work_does_not_change_the_picture() {
         lifetime: Lifetime::Gradient,
         ..Config::ADAPTIVE
     };
+    let pixels = Config {
+        extents: Extents::Pixel,
+        ..Config::ADAPTIVE
+    };
+    // What is not sorted goes straight to its pixel.
+    let own = Config {
+        fit: Fit::Constant,
+        hidden: false,
+        ..pixels
+    };
     for (config, size, samples) in [
+        (pixels, 70, 3000),
+        (own, 100, 9000),
+        (own, 33, 3000),
+        (own, 481, 3000),
         (Config::ADAPTIVE, 100, 9000),
         (constant, 33, 3000),
         (constant, 1, 60),

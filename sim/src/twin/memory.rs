@@ -1,7 +1,7 @@
 //! The buffers of a display on the adapter, and the levels of its pyramids.
 
 use super::params::{Level, Params, Transform};
-use super::stages::BLOCK;
+use super::stages::{BLOCK, varies};
 use super::tables::Tables;
 use crate::gpu::{Gpu, GpuError};
 use crate::pass::Words;
@@ -114,7 +114,7 @@ impl Memory {
         let samples = params.capacity as usize;
         let hidden = filters && config.hidden;
         let density = filters && config.extents == Extents::Density;
-        let varying = filters && !matches!(config.extents, Extents::Constant(_));
+        let varying = filters && varies(config.extents);
         let planes = filters && config.fit == Fit::Linear;
         let bins = if filters { bins(panel) } else { 1 };
         let items = bins.max(PENDING);

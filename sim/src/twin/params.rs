@@ -41,6 +41,7 @@ impl Params {
             Extents::Constant(log) => (0, Fixed::width(log.into()).into()),
             Extents::Density => (1, 0),
             Extents::Gradient => (2, 0),
+            Extents::Pixel => (3, 0),
         };
         Params {
             width: panel.width.into(),

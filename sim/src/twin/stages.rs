@@ -18,6 +18,11 @@ pub(crate) const LOOK: u32 = 7000;
 /// Items of a block of the prefix sum.
 pub(crate) const BLOCK: u32 = 2048;
 
+/// Whether samples' footprints differ in size.
+pub(crate) fn varies(extents: Extents) -> bool {
+    matches!(extents, Extents::Density | Extents::Gradient)
+}
+
 /// What stands before every stage.
 pub(crate) const PRELUDE: [&str; 4] = [INT64, COMMON, NUM, FIXED];
 
@@ -298,8 +303,7 @@ impl Refreshing {
                 widths: compile(&WIDTHS)?,
             })
         });
-        let constant = matches!(config.extents, Extents::Constant(_));
-        let varying = (!constant).then(|| {
+        let varying = varies(config.extents).then(|| {
             Ok(Varying {
                 footprints: compile(&FOOTPRINTS)?,
                 rows: compile(&ROWS)?,

@@ -215,6 +215,22 @@ fn variants() -> Vec<(&'static str, Config)> {
             },
         ),
         (
+            "pixels",
+            Config {
+                extents: Extents::Pixel,
+                ..ADAPTIVE
+            },
+        ),
+        (
+            "means of pixels, nothing hidden",
+            Config {
+                extents: Extents::Pixel,
+                fit: Fit::Constant,
+                hidden: false,
+                ..ADAPTIVE
+            },
+        ),
+        (
             "constant lifetime",
             Config {
                 lifetime,

@@ -145,6 +145,7 @@ impl Knobs {
                 Extents::Constant(log) => format!("{:.2} px", (f64::from(log) / 256.0).exp2()),
                 Extents::Density => "density".to_owned(),
                 Extents::Gradient => "gradient".to_owned(),
+                Extents::Pixel => "its pixel".to_owned(),
             },
             lifetime: match display.lifetime {
                 Lifetime::Constant(log) => seconds(log),

@@ -8,7 +8,7 @@ impl Config {
     /// Reads what [`fmt::Display`] writes: a name, then `KNOB=VALUE` after commas, any number in
     /// any order. `fit`: mean, plane; `hidden`, `fill`, `rest`, `reproject`: on, off; `light`:
     /// linear, encoded; `kernel`: rational, gaussian, exponential; `cutoff`: a weight with 15
-    /// fractional bits, below one; `width`: density, gradient, or log2 of σ in pixels with 8
+    /// fractional bits, below one; `width`: density, gradient, pixel, or log2 of σ in pixels with 8
     /// fractional bits; `lifetime`: tiles, gradient, or log2 of seconds with 8 fractional bits.
     /// `None` where a word is not understood.
     #[must_use]
@@ -52,6 +52,7 @@ impl Config {
                     config.extents = match value {
                         b"density" => Extents::Density,
                         b"gradient" => Extents::Gradient,
+                        b"pixel" => Extents::Pixel,
                         log => Extents::Constant(integer(log)?),
                     }
                 }
@@ -138,6 +139,7 @@ impl fmt::Display for Config {
             match self.extents {
                 Extents::Density => f.write_str(",width=density")?,
                 Extents::Gradient => f.write_str(",width=gradient")?,
+                Extents::Pixel => f.write_str(",width=pixel")?,
                 Extents::Constant(log) => write!(f, ",width={log}")?,
             }
         }
@@ -162,7 +164,7 @@ mod tests {
     fn all() -> Vec<Config> {
         let mut all: Vec<Config> = NAMED.iter().map(|named| named.1).collect();
         let mut config = Config::ADAPTIVE;
-        let knobs: [fn(&mut Config); 16] = [
+        let knobs: [fn(&mut Config); 17] = [
             |c| c.fit = Fit::Constant,
             |c| c.hidden = false,
             |c| c.fill = false,
@@ -174,6 +176,7 @@ mod tests {
             |c| c.cutoff = 0,
             |c| c.cutoff = 32_767,
             |c| c.extents = Extents::Gradient,
+            |c| c.extents = Extents::Pixel,
             |c| c.extents = Extents::Constant(i16::MIN),
             |c| c.extents = Extents::Constant(i16::MAX),
             |c| c.lifetime = Lifetime::Gradient,

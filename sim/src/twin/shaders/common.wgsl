@@ -51,6 +51,7 @@ const LIFETIME_GRADIENT: u32 = 2u;
 const EXTENTS_CONSTANT: u32 = 0u;
 const EXTENTS_DENSITY: u32 = 1u;
 const EXTENTS_GRADIENT: u32 = 2u;
+const EXTENTS_PIXEL: u32 = 3u;
 
 // One, with 15 fractional bits.
 const ONE: u32 = 32768u;

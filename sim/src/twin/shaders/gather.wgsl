@@ -102,9 +102,11 @@ fn main(
     if i >= pixels() { return; }
     let x = i32(i) % params.width;
     let y = i32(i) / params.width;
-    let everywhere = params.extents == EXTENTS_CONSTANT;
+    // Samples that count for their pixels alone are all in one bin.
+    let alone = params.extents == EXTENTS_PIXEL;
+    let everywhere = alone || params.extents == EXTENTS_CONSTANT;
     var own = vec2<u32>(footprint(params.width_log));
-    var side = whole_reach(own.x);
+    var side = select(whole_reach(own.x), 0i, alone);
     var most = 0u;
     if round.x != 0u {
         sum = sums[i];
@@ -126,9 +128,12 @@ fn main(
                 distance_from(low16(place), x),
                 distance_from(place >> 16u, y),
             );
-            if any(vec2<u32>(abs(at)) >= (own & vec2<u32>(0x7fffu))) { continue; }
             let sample = sorted[k];
-            let weight = times(times(sample.z >> 16u, tap(own.y, at.y)), tap(own.x, at.x));
+            var weight = sample.z >> 16u;
+            if !alone {
+                if any(vec2<u32>(abs(at)) >= (own & vec2<u32>(0x7fffu))) { continue; }
+                weight = times(times(weight, tap(own.y, at.y)), tap(own.x, at.x));
+            }
             if weight == 0u { continue; }
             let light = vec3<u32>(low16(sample.y), sample.y >> 16u, low16(sample.z));
             add(weight, light, at.x, at.y);
