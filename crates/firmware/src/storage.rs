@@ -26,8 +26,21 @@ pub const PYRAMID: usize = larger(SQUARE.pyramid, LINE.pyramid);
 /// Tile cells.
 pub const CELLS: usize = larger(SQUARE.cells, LINE.cells);
 
-/// Storage for every panel of this image.
-pub type Room<A> = Storage<A, SAMPLES, PIXELS, MINIMA, PYRAMID, CELLS, SLOTS, PIXELS>;
+/// Storage for every panel and configuration of this image.
+pub type Room<A> = Storage<
+    A,
+    SAMPLES,
+    PIXELS,
+    PYRAMID,
+    CELLS,
+    SLOTS,
+    SAMPLES,
+    MINIMA,
+    PIXELS,
+    PIXELS,
+    PIXELS,
+    PIXELS,
+>;
 
 /// The memory of a display that remembers `samples` samples.
 ///
@@ -37,13 +50,17 @@ pub fn memory<
     A: Arith,
     const N: usize,
     const P: usize,
-    const M: usize,
     const Y: usize,
     const C: usize,
     const O: usize,
+    const J: usize,
+    const M: usize,
+    const H: usize,
+    const D: usize,
     const L: usize,
+    const R: usize,
 >(
-    room: &'static mut Storage<A, N, P, M, Y, C, O, L>,
+    room: &'static mut Storage<A, N, P, Y, C, O, J, M, H, D, L, R>,
     samples: usize,
 ) -> Result<Memory<'static, A>, Failure> {
     let mut memory = room.memory();

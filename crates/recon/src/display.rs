@@ -6,13 +6,13 @@
 use crate::arith::{Arith, Moments, Panel, Projected, Sums};
 use crate::config::{Config, Mode};
 use crate::deep::{DeepBuffer, Placing, Stored, slot};
-use crate::memory::{Memory, SetupError, Slot};
+use crate::fill;
+use crate::memory::{Calls, Memory, Needs, SetupError, Slot};
 use crate::motion::{Motion, Reach};
 use crate::rest::{self, Mean, Rest, Step};
 use crate::tiles::TileMap;
 use crate::transform::{pose_is_sound, view_is_sound};
 use crate::workers::{Alone, Workers};
-use crate::{fill, hidden};
 use unframed_wire::{
     Hello, Layout, Packet, Pose, Refresh, ScreenSample, Tick, Tile, View, WorldSample,
 };
@@ -106,18 +106,18 @@ impl<'a, A: Arith, W: Workers> Display<'a, A, W> {
     ) -> Result<Self, SetupError> {
         let panel = Panel::new(width, height).ok_or(SetupError::Panel)?;
         memory.check(width, height, &config)?;
-        let pixels = panel.pixels();
+        let needs = Needs::of(width, height);
+        let calls = Calls::of(&config, &needs, memory.samples.len());
+        let pixels = needs.pixels;
         let cells = memory.cells.len();
         let tiles = TileMap::new(memory.cells, width, height).ok_or(SetupError::Short {
             slice: "cells",
-            needs: crate::memory::Needs::of(width, height).cells,
+            needs: needs.cells,
             has: cells,
         })?;
         memory.slots.fill(Slot::default());
         memory.picture.fill([0; 3]);
         memory.means.fill(Mean::EMPTY);
-        let moments = if config.planes() { pixels } else { 0 };
-        let means = if config.averages() { pixels } else { 0 };
         Ok(Self {
             config,
             workers,
@@ -127,16 +127,16 @@ impl<'a, A: Arith, W: Workers> Display<'a, A, W> {
             projected: memory.projected,
             sorted: memory.sorted,
             starts: memory.starts,
-            minima: first(memory.minima, hidden::minima_len(width, height)),
-            limits: first(memory.limits, pixels),
-            movers: first(memory.movers, pixels),
-            mass: first(memory.mass, pixels),
+            minima: first(memory.minima, calls.minima),
+            limits: first(memory.limits, calls.hidden),
+            movers: first(memory.movers, calls.hidden),
+            mass: first(memory.mass, calls.mass),
             logs: first(memory.logs, pixels),
             sums: first(memory.sums, pixels),
-            moments: first(memory.moments, moments),
+            moments: first(memory.moments, calls.moments),
             texels: first(memory.texels, pixels),
             pyramid: memory.pyramid,
-            means: first(memory.means, means),
+            means: first(memory.means, calls.means),
             slots: memory.slots,
             picture: first(memory.picture, pixels),
             hello: None,

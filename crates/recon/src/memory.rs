@@ -2,26 +2,29 @@
 //!
 //! With W × H pixels, N samples and O objects the fixed-point display keeps, in bytes:
 //!
-//! | what | bytes |
-//! |---|---|
-//! | deep buffer | 16 N |
-//! | projected samples | 12 N, and 12 N more where they are sorted |
-//! | minima and limits | 2 (2.25 + 1/1024) W H |
-//! | movers, masses, and lifetimes, then widths | 7 W H |
-//! | sums | 32 W H, and 96 W H more for planes |
-//! | texels with their pyramid | 8 · 4/3 W H |
-//! | means at rest | 16 W H |
-//! | picture | 3 W H |
-//! | tile map | 5 W H / 16 |
-//! | poses and their transforms | 232 O |
+//! | what | bytes | called for by |
+//! |---|---|---|
+//! | deep buffer | 16 N | |
+//! | projected samples | 12 N, and 12 N more where they are sorted | all but [`crate::own`] |
+//! | minima, limits and movers | (5.5 + 1/512) W H | the hidden-point test |
+//! | masses | 4 W H | that test, widths by density |
+//! | lifetimes, then widths | 2 W H | |
+//! | sums | 32 W H | |
+//! | moments | 96 W H | planes |
+//! | texels with their pyramid | 8 · 4/3 W H | |
+//! | means at rest | 16 W H | [`Config::rest`] |
+//! | picture | 3 W H | |
+//! | tile map | 5 W H / 16 | |
+//! | poses and their transforms | 240 O | |
 
 use crate::arith::{Arith, Moments, Panel, Projected, Sums, Texel};
 use crate::bins::Grid;
-use crate::config::Config;
+use crate::config::{Config, Extents};
 use crate::deep::Stored;
 use crate::fill::pyramid_len;
 use crate::hidden::minima_len;
 use crate::motion::Past;
+use crate::own;
 use crate::rest::Mean;
 use crate::tiles::{Cell, cells_along};
 use unframed_wire::Pose;
@@ -50,8 +53,7 @@ impl<A: Arith> Default for Slot<A> {
 /// How long each slice of a [`Memory`] must be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Needs {
-    /// W·H: limits, movers, mass, logs, sums, texels, picture; moments where planes are fitted,
-    /// means where what rests is averaged.
+    /// W·H: logs, sums, texels, picture, and what [`Calls`] says.
     pub pixels: usize,
     /// Levels of minima.
     pub minima: usize,
@@ -78,12 +80,48 @@ impl Needs {
     }
 }
 
+/// How long those slices of a [`Memory`] must be that not every configuration calls for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Calls {
+    /// Projected samples, where none are sorted.
+    pub projected: usize,
+    /// Levels of minima.
+    pub minima: usize,
+    /// Limits and movers.
+    pub hidden: usize,
+    /// Masses.
+    pub mass: usize,
+    /// Moments.
+    pub moments: usize,
+    /// Means.
+    pub means: usize,
+}
+
+impl Calls {
+    /// What `config` calls for where `samples` are remembered.
+    #[must_use]
+    pub const fn of(config: &Config, needs: &Needs, samples: usize) -> Self {
+        const fn only(called_for: bool, entries: usize) -> usize {
+            if called_for { entries } else { 0 }
+        }
+        let density = matches!(config.extents, Extents::Density);
+        Self {
+            projected: only(!own::applies(config), samples),
+            minima: only(config.hidden, needs.minima),
+            hidden: only(config.hidden, needs.pixels),
+            mass: only(config.hidden || density, needs.pixels),
+            moments: only(config.planes(), needs.pixels),
+            means: only(config.averages(), needs.pixels),
+        }
+    }
+}
+
 /// The storage of a display: slices of any origin, at least as long as [`Needs`] says.
 #[derive(Debug)]
 pub struct Memory<'a, A: Arith> {
     /// The deep buffer: as many samples as are to be remembered, at best 4 a pixel and more.
     pub samples: &'a mut [Stored],
-    /// As long as `samples`.
+    /// See [`Calls::projected`]; as long as `samples` where they are sorted.
     pub projected: &'a mut [Projected<A>],
     /// As long as `samples`, or empty: then samples are not sorted by tile, which costs time on
     /// machines with caches and keeps the work on one thread.
@@ -91,25 +129,25 @@ pub struct Memory<'a, A: Arith> {
     /// See [`Needs::starts`]: twice that a thread (fewer divide the work less evenly); 2 where
     /// nothing is sorted.
     pub starts: &'a mut [u32],
-    /// See [`Needs::minima`].
+    /// See [`Calls::minima`].
     pub minima: &'a mut [A::Depth],
-    /// See [`Needs::pixels`].
+    /// See [`Calls::hidden`].
     pub limits: &'a mut [A::Depth],
-    /// See [`Needs::pixels`].
+    /// See [`Calls::hidden`].
     pub movers: &'a mut [u8],
-    /// See [`Needs::pixels`].
+    /// See [`Calls::mass`].
     pub mass: &'a mut [A::Mass],
     /// See [`Needs::pixels`].
     pub logs: &'a mut [A::Log],
     /// See [`Needs::pixels`].
     pub sums: &'a mut [Sums<A>],
-    /// See [`Needs::pixels`]; empty where no planes are fitted.
+    /// See [`Calls::moments`].
     pub moments: &'a mut [Moments<A>],
     /// See [`Needs::pixels`].
     pub texels: &'a mut [Texel<A>],
     /// See [`Needs::pyramid`].
     pub pyramid: &'a mut [Texel<A>],
-    /// See [`Needs::pixels`]; empty where nothing is averaged at rest.
+    /// See [`Calls::means`].
     pub means: &'a mut [Mean],
     /// See [`Needs::cells`].
     pub cells: &'a mut [Cell],
@@ -164,37 +202,27 @@ impl<A: Arith> Memory<'_, A> {
     /// Names the first slice that is too short.
     pub fn check(&self, width: u16, height: u16, config: &Config) -> Result<(), SetupError> {
         let needs = Needs::of(width, height);
-        let sorted = if self.sorted.is_empty() {
-            0
+        let samples = self.samples.len();
+        let calls = Calls::of(config, &needs, samples);
+        let (sorted, projected, starts) = if self.sorted.is_empty() {
+            (0, calls.projected, 2)
         } else {
-            self.samples.len()
+            (samples, samples, needs.starts)
         };
         let checks = [
-            ("projected", self.samples.len(), self.projected.len()),
+            ("projected", projected, self.projected.len()),
             ("sorted", sorted, self.sorted.len()),
-            (
-                "starts",
-                if sorted > 0 { needs.starts } else { 2 },
-                self.starts.len(),
-            ),
-            ("minima", needs.minima, self.minima.len()),
-            ("limits", needs.pixels, self.limits.len()),
-            ("movers", needs.pixels, self.movers.len()),
-            ("mass", needs.pixels, self.mass.len()),
+            ("starts", starts, self.starts.len()),
+            ("minima", calls.minima, self.minima.len()),
+            ("limits", calls.hidden, self.limits.len()),
+            ("movers", calls.hidden, self.movers.len()),
+            ("mass", calls.mass, self.mass.len()),
             ("logs", needs.pixels, self.logs.len()),
             ("sums", needs.pixels, self.sums.len()),
-            (
-                "moments",
-                if config.planes() { needs.pixels } else { 0 },
-                self.moments.len(),
-            ),
+            ("moments", calls.moments, self.moments.len()),
             ("texels", needs.pixels, self.texels.len()),
             ("pyramid", needs.pyramid, self.pyramid.len()),
-            (
-                "means",
-                if config.averages() { needs.pixels } else { 0 },
-                self.means.len(),
-            ),
+            ("means", calls.means, self.means.len()),
             ("cells", needs.cells, self.cells.len()),
             ("slots", 2, self.slots.len()),
             ("picture", needs.pixels, self.picture.len()),
@@ -211,32 +239,37 @@ impl<A: Arith> Memory<'_, A> {
 /// Storage of fixed capacity, to be placed in a `static` or on a large stack. Samples are not
 /// sorted.
 ///
-/// `N` samples, `P` pixels, `M` minima, `Y` pyramid texels, `C` cells, `O` slots; `L` is `P` where
-/// planes are fitted, else 0. [`Needs::of`] gives them in a `const`.
+/// `N` samples, `P` pixels, `Y` pyramid texels, `C` cells, `O` slots ([`Needs::of`] gives them in a
+/// `const`); `J` projected samples, `M` minima, `H` limits and movers, `D` masses, `L` moments, `R` means
+/// ([`Calls::of`]).
 #[derive(Debug)]
 pub struct Storage<
     A: Arith,
     const N: usize,
     const P: usize,
-    const M: usize,
     const Y: usize,
     const C: usize,
     const O: usize,
+    const J: usize,
+    const M: usize,
+    const H: usize,
+    const D: usize,
     const L: usize,
+    const R: usize,
 > {
     samples: [Stored; N],
-    projected: [Projected<A>; N],
+    projected: [Projected<A>; J],
     starts: [u32; 2],
     minima: [A::Depth; M],
-    limits: [A::Depth; P],
-    movers: [u8; P],
-    mass: [A::Mass; P],
+    limits: [A::Depth; H],
+    movers: [u8; H],
+    mass: [A::Mass; D],
     logs: [A::Log; P],
     sums: [Sums<A>; P],
     moments: [Moments<A>; L],
     texels: [Texel<A>; P],
     pyramid: [Texel<A>; Y],
-    means: [Mean; P],
+    means: [Mean; R],
     cells: [Cell; C],
     slots: [Slot<A>; O],
     picture: [[u8; 3]; P],
@@ -246,12 +279,16 @@ impl<
     A: Arith,
     const N: usize,
     const P: usize,
-    const M: usize,
     const Y: usize,
     const C: usize,
     const O: usize,
+    const J: usize,
+    const M: usize,
+    const H: usize,
+    const D: usize,
     const L: usize,
-> Storage<A, N, P, M, Y, C, O, L>
+    const R: usize,
+> Storage<A, N, P, Y, C, O, J, M, H, D, L, R>
 {
     /// The storage as a display takes it.
     pub fn memory(&mut self) -> Memory<'_, A> {
@@ -284,12 +321,16 @@ macro_rules! empty_storage {
         impl<
             const N: usize,
             const P: usize,
-            const M: usize,
             const Y: usize,
             const C: usize,
             const O: usize,
+            const J: usize,
+            const M: usize,
+            const H: usize,
+            const D: usize,
             const L: usize,
-        > Storage<$arith, N, P, M, Y, C, O, L>
+            const R: usize,
+        > Storage<$arith, N, P, Y, C, O, J, M, H, D, L, R>
         {
             /// Empty storage.
             #[must_use]
@@ -307,18 +348,18 @@ macro_rules! empty_storage {
                         weight: $zero,
                         rgb: [0; 3],
                         past: Past::NONE,
-                    }; N],
+                    }; J],
                     starts: [0; 2],
                     minima: [$zero; M],
-                    limits: [$zero; P],
-                    movers: [0; P],
-                    mass: [$zero; P],
+                    limits: [$zero; H],
+                    movers: [0; H],
+                    mass: [$zero; D],
                     logs: [$zero; P],
                     sums: [[$zero; 4]; P],
                     moments: [[$zero; 12]; L],
                     texels: [texel; P],
                     pyramid: [texel; Y],
-                    means: [Mean::EMPTY; P],
+                    means: [Mean::EMPTY; R],
                     cells: [Cell::ZERO; C],
                     slots: [Slot {
                         pose: None,
@@ -333,12 +374,16 @@ macro_rules! empty_storage {
         impl<
             const N: usize,
             const P: usize,
-            const M: usize,
             const Y: usize,
             const C: usize,
             const O: usize,
+            const J: usize,
+            const M: usize,
+            const H: usize,
+            const D: usize,
             const L: usize,
-        > Default for Storage<$arith, N, P, M, Y, C, O, L>
+            const R: usize,
+        > Default for Storage<$arith, N, P, Y, C, O, J, M, H, D, L, R>
         {
             fn default() -> Self {
                 Self::new()

@@ -13,9 +13,9 @@ use crate::workers::take;
 
 /// Whether a display of this configuration adds samples straight to their pixels.
 #[must_use]
-pub fn applies(config: &Config) -> bool {
-    config.extents == Extents::Pixel
-        && config.lifetime == Lifetime::Tiles
+pub const fn applies(config: &Config) -> bool {
+    matches!(config.extents, Extents::Pixel)
+        && matches!(config.lifetime, Lifetime::Tiles)
         && !config.hidden
         && !config.planes()
 }

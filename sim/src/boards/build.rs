@@ -6,6 +6,8 @@ use std::process::Command;
 use std::{env, fs, io};
 
 use super::{BoardError, Target};
+use unframed_recon::Config;
+use unframed_recon::config::Extents;
 
 /// Debian's compiler, whose package `rust-web-src` holds the source of core.
 const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
@@ -45,7 +47,7 @@ impl Image {
 }
 
 /// What the image `fitted` has room for: one panel, one preset.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fitted {
     /// Pixels a row.
     pub width: u16,
@@ -55,18 +57,22 @@ pub struct Fitted {
     pub samples: usize,
     /// Objects, and one for the sky.
     pub slots: usize,
-    /// Whether planes are fitted.
-    pub planes: bool,
+    /// What the display does: planes, the hidden-point test, filters and means at rest take room.
+    pub config: Config,
 }
 
 impl Fitted {
-    fn environment(&self) -> [(&'static str, usize); 5] {
+    fn environment(&self) -> [(&'static str, usize); 8] {
+        let pixels = self.config.extents == Extents::Pixel;
         [
             ("UNFRAMED_WIDTH", self.width.into()),
             ("UNFRAMED_HEIGHT", self.height.into()),
             ("UNFRAMED_SAMPLES", self.samples),
             ("UNFRAMED_SLOTS", self.slots),
-            ("UNFRAMED_PLANES", self.planes.into()),
+            ("UNFRAMED_PLANES", self.config.planes().into()),
+            ("UNFRAMED_PIXELS", pixels.into()),
+            ("UNFRAMED_HIDDEN", self.config.hidden.into()),
+            ("UNFRAMED_REST", self.config.averages().into()),
         ]
     }
 }

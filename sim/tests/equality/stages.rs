@@ -238,7 +238,7 @@ fn project(
         };
         let widths = match config.extents {
             Extents::Constant(log) => [Fixed::width(log.into()); 2],
-            Extents::Density if config.lifetime != Lifetime::Gradient => [0; 2],
+            Extents::Density | Extents::Pixel if config.lifetime != Lifetime::Gradient => [0; 2],
             _ => [gradient.1, gradient.2],
         };
         let projected = Projected {

@@ -162,12 +162,12 @@ impl Candidate {
             picture: scale * effort.picture,
         };
         let samples = self.knobs.samples(pixels(panel));
-        let fit = self.knobs.display.fit;
+        let config = &self.knobs.display;
         Self {
             rate: self.knobs.rate(pixels(panel)),
             samples,
             bytes_per_second: scale * self.bytes_per_second,
-            ram_bytes: ram::bytes::<Fixed>(panel.0, panel.1, samples as usize, fit, self.slots),
+            ram_bytes: ram::bytes::<Fixed>(panel.0, panel.1, samples as usize, config, self.slots),
             display_seconds: scale * self.display_seconds,
             mean: self.mean.map(scaled),
             worst: self.worst.map(scaled),

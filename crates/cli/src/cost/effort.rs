@@ -89,8 +89,12 @@ impl Work {
                 continue;
             }
             work.kept += 1.0;
-            let columns = across(decision.seen.x, decision.widths[0], width);
-            let rows = across(decision.seen.y, decision.widths[1], height);
+            // One that counts for its pixel alone has no footprint.
+            let Some([wide, high]) = decision.widths else {
+                continue;
+            };
+            let columns = across(decision.seen.x, wide, width);
+            let rows = across(decision.seen.y, high, height);
             if columns > 0.0 {
                 work.rows += rows;
                 work.taps += rows * columns;

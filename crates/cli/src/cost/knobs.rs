@@ -145,7 +145,7 @@ impl Knobs {
                 Extents::Constant(log) => format!("{:.2} px", (f64::from(log) / 256.0).exp2()),
                 Extents::Density => "density".to_owned(),
                 Extents::Gradient => "gradient".to_owned(),
-                Extents::Pixel => "its pixel".to_owned(),
+                Extents::Pixel => "pixel".to_owned(),
             },
             lifetime: match display.lifetime {
                 Lifetime::Constant(log) => seconds(log),
@@ -243,9 +243,10 @@ pub struct Preset {
     density: f64,
     /// Seconds of the stream that are remembered.
     memory: f64,
-    kernel: TimeKernel,
     fit: Fit,
     hidden: bool,
+    extents: Extents,
+    rest: bool,
 }
 
 /// From the cheapest to the best, chosen at 128 × 128 pixels on three scenes. The Gaussian decline
@@ -270,9 +271,10 @@ const fn preset(name: &'static str, density: f64, fit: Fit) -> Preset {
         name,
         density,
         memory: 0.5,
-        kernel: TimeKernel::Gaussian,
         fit,
         hidden: true,
+        extents: Extents::Density,
+        rest: true,
     }
 }
 
@@ -284,9 +286,11 @@ impl Preset {
         Knobs {
             memory: self.memory,
             display: Config {
-                kernel: self.kernel,
+                kernel: TimeKernel::Gaussian,
                 fit: self.fit,
                 hidden: self.hidden,
+                extents: self.extents,
+                rest: self.rest,
                 ..knobs.display
             },
             ..knobs
@@ -393,6 +397,7 @@ pub fn sweeps() -> Vec<Planned> {
     // 0.35, 0.45, 0.6, 0.85 px and as density has it.
     let widths = [-388, -295, -189, -60].map(|log| with(&|c| c.extents = Extents::Constant(log)));
     add("filter width", &widths);
+    add("filter width", &[with(&|c| c.extents = Extents::Pixel)]);
     add("filter width", &[middle]);
     let kernels = [
         TimeKernel::Rational,
@@ -432,6 +437,24 @@ pub fn sweeps() -> Vec<Planned> {
             }
         }
         together(MEMORIES[0], TimeKernel::Gaussian, Fit::Constant, false);
+        // Samples that count for their pixels alone: what a small core has time and room for.
+        for (memory, hidden) in [
+            (MEMORIES[0], false),
+            (MEMORIES[1], false),
+            (MEMORIES[1], true),
+        ] {
+            let mut knobs = Knobs::new(Method::Adaptive, density);
+            knobs.memory = memory;
+            knobs.display = Config {
+                kernel: TimeKernel::Gaussian,
+                fit: Fit::Constant,
+                extents: Extents::Pixel,
+                hidden,
+                rest: hidden,
+                ..knobs.display
+            };
+            add("all together", &[knobs]);
+        }
     }
     points
 }

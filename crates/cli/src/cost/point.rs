@@ -255,7 +255,7 @@ impl Job<'_> {
                 width,
                 height,
                 samples,
-                self.knobs.display.fit,
+                &self.knobs.display,
                 self.world.object_count() + 1,
             ),
             work: (!works.is_empty()).then(|| Work::mean(&works)),

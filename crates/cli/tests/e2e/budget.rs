@@ -17,7 +17,6 @@ use unframed_cli::eval::probes::still;
 use unframed_host::scene::Scene;
 use unframed_host::scene::builtin::builtin;
 use unframed_host::trace::World;
-use unframed_recon::config::Fit;
 use unframed_sim::boards::elf::Contents;
 use unframed_sim::boards::{Firmware, Fitted, Job, Report, Shown};
 
@@ -68,7 +67,7 @@ fn play(scene: &str, budget: &Budget, knobs: &Knobs) -> (Report, u64) {
         height,
         samples,
         slots: world.object_count() + 1,
-        planes: knobs.display.fit == Fit::Linear,
+        config: knobs.display,
     };
     let source = Firmware::find(Path::new(env!("CARGO_MANIFEST_DIR"))).expect("the source");
     let elf = source.build_fitted(board.target(), &fitted);

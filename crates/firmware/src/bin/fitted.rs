@@ -8,8 +8,9 @@ use static_cell::ConstStaticCell;
 use unframed_firmware::play::{Job, play};
 use unframed_firmware::storage::memory;
 use unframed_firmware::{Failure, end};
-use unframed_recon::Fixed;
-use unframed_recon::memory::{Needs, Storage};
+use unframed_recon::config::{Extents, Fit};
+use unframed_recon::memory::{Calls, Needs, Storage};
+use unframed_recon::{Config, Fixed};
 
 /// Decimal digits; what is none of them does not compile.
 const fn number(text: &str) -> usize {
@@ -28,18 +29,41 @@ const NEEDS: Needs = Needs::of(
     number(env!("UNFRAMED_WIDTH")) as u16,
     number(env!("UNFRAMED_HEIGHT")) as u16,
 );
-/// All pixels where planes are fitted, else none.
-const MOMENTS: usize = NEEDS.pixels * number(env!("UNFRAMED_PLANES"));
+const CALLS: Calls = Calls::of(&CONFIG, &NEEDS, SAMPLES);
+/// What of a configuration calls for storage.
+const CONFIG: Config = Config {
+    fit: if called_for(env!("UNFRAMED_PLANES")) {
+        Fit::Linear
+    } else {
+        Fit::Constant
+    },
+    extents: if called_for(env!("UNFRAMED_PIXELS")) {
+        Extents::Pixel
+    } else {
+        Extents::Density
+    },
+    hidden: called_for(env!("UNFRAMED_HIDDEN")),
+    rest: called_for(env!("UNFRAMED_REST")),
+    ..Config::ADAPTIVE
+};
+
+const fn called_for(text: &str) -> bool {
+    number(text) != 0
+}
 
 type Room = Storage<
     Fixed,
     SAMPLES,
     { NEEDS.pixels },
-    { NEEDS.minima },
     { NEEDS.pyramid },
     { NEEDS.cells },
     SLOTS,
-    MOMENTS,
+    { CALLS.projected },
+    { CALLS.minima },
+    { CALLS.hidden },
+    { CALLS.mass },
+    { CALLS.moments },
+    { CALLS.means },
 >;
 
 static ROOM: ConstStaticCell<Room> = ConstStaticCell::new(Room::new());
