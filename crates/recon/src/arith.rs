@@ -6,7 +6,7 @@
 
 use crate::config::TimeKernel;
 use crate::glance::Sure;
-use crate::lanes::LANES;
+use crate::lanes::{LANES, Pixel};
 use crate::motion::Past;
 use crate::taps::Taps;
 use crate::tiles::TileMap;
@@ -68,14 +68,22 @@ impl Panel {
         inside.then(|| y as usize * usize::from(self.width) + x as usize)
     }
 
-    /// Index of the pixel nearest to `(x, y)`, which may lie in the guard band.
+    /// Column and row of the pixel nearest to `(x, y)`, which may lie in the guard band.
     #[inline]
     #[must_use]
-    pub fn nearest(&self, x: i32, y: i32) -> usize {
+    pub fn clamped(&self, x: i32, y: i32) -> [u16; 2] {
         // `clamp` would be a panic path for a panel without pixels.
         let x = x.min(i32::from(self.width) - 1).max(0);
         let y = y.min(i32::from(self.height) - 1).max(0);
-        y as usize * usize::from(self.width) + x as usize
+        [x as u16, y as u16]
+    }
+
+    /// Its index.
+    #[inline]
+    #[must_use]
+    pub fn nearest(&self, x: i32, y: i32) -> usize {
+        let [x, y] = self.clamped(x, y);
+        usize::from(y) * usize::from(self.width) + usize::from(x)
     }
 }
 
@@ -105,11 +113,16 @@ pub struct Texel<A: Arith> {
     pub confidence: A::Confidence,
 }
 
+/// An array that begins where processors that add pairs of sums load them best.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(target_arch = "x86_64", repr(align(16)))]
+pub struct Aligned<T>(pub T);
+
 /// One pixel's sums for a mean: Σw, Σw·r, Σw·g, Σw·b.
-pub type Sums<A> = [<A as Arith>::Sum; 4];
+pub type Sums<A> = Aligned<[<A as Arith>::Sum; 4]>;
 /// One pixel's further sums for a plane: Σw·x, Σw·y, Σw·x², Σw·xy, Σw·y², then Σw·x·c and Σw·y·c
 /// of each colour, then nothing: twelve go in pairs.
-pub type Moments<A> = [<A as Arith>::Sum; 12];
+pub type Moments<A> = Aligned<[<A as Arith>::Sum; 12]>;
 
 /// log2 of the side, pixels, of the squares that share an anchor: moments are summed from it, so
 /// that one set of features serves all pixels of a footprint.
@@ -132,6 +145,10 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
     type Features: Copy + core::fmt::Debug;
     /// A weight as features are multiplied by it.
     type Factor: Copy + core::fmt::Debug;
+    /// What a row's tap leaves of a weight.
+    type Row: Copy + core::fmt::Debug;
+    /// The taps along a row.
+    type Along: core::fmt::Debug;
     /// A light value.
     type Light: Copy + Default + PartialEq + Send + Sync + core::fmt::Debug;
     /// A confidence in 0..=1.
@@ -185,6 +202,12 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
 
     /// The pixel of a coordinate, −[`GUARD`] and up.
     fn pixel(panel: &Panel, v: Self::Coord) -> i32;
+
+    /// The pixel of the panel that is nearest to a place.
+    #[inline]
+    fn nearest(panel: &Panel, x: Self::Coord, y: Self::Coord) -> Pixel {
+        Pixel::new(panel.clamped(Self::pixel(panel, x), Self::pixel(panel, y)))
+    }
 
     /// The coordinate of the middle of a pixel of the panel.
     fn centre(panel: &Panel, pixel: i32) -> Self::Coord;
@@ -272,8 +295,14 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
     /// A weight as a factor.
     fn factor(weight: Self::Weight) -> Self::Factor;
 
-    /// The products of a weight and of taps beside each other.
-    fn factors(weight: Self::Weight, taps: &[Self::Weight; LANES]) -> [Self::Factor; LANES];
+    /// The products of a weight and of the taps of rows.
+    fn rows(weight: Self::Weight, down: &[Self::Weight; LANES]) -> [Self::Row; LANES];
+
+    /// Taps along a row, as [`Arith::factors`] takes them.
+    fn along(taps: &[Self::Weight; LANES]) -> Self::Along;
+
+    /// The products of a row's and of the taps along it.
+    fn factors(row: Self::Row, along: &Self::Along) -> [Self::Factor; LANES];
 
     /// Adds weighted features to sums.
     fn add(sums: &mut Sums<Self>, weight: Self::Factor, features: &Self::Features);

@@ -2,6 +2,7 @@
 //! tiles are work that threads can share.
 
 use crate::arith::{Arith, Panel, Projected};
+use crate::lanes::Pixel;
 use crate::workers::{MAX_PARTS, take};
 use core::ops::Range;
 
@@ -44,15 +45,11 @@ impl Grid {
         self.columns * self.rows
     }
 
-    /// The tile of a sample.
+    /// The tile of a pixel.
     #[inline]
     #[must_use]
-    pub fn tile<A: Arith>(&self, panel: &Panel, at: &Projected<A>) -> usize {
-        // `clamp` would be a panic path for a panel without pixels.
-        let inside = |v: i32, size: u16| v.min(i32::from(size) - 1).max(0) as usize >> self.bits;
-        let column = inside(A::pixel(panel, at.x), panel.width);
-        let row = inside(A::pixel(panel, at.y), panel.height);
-        row * self.columns + column
+    pub fn tile(&self, pixel: Pixel) -> usize {
+        pixel.coarser(self.bits).index(self.columns as u16)
     }
 
     /// The pixel rows of rows of tiles.
@@ -81,7 +78,7 @@ pub fn place<A: Arith>(
     sorted: &mut [Projected<A>],
 ) {
     for sample in samples {
-        if let Some(next) = starts.get_mut(grid.tile(panel, sample)) {
+        if let Some(next) = starts.get_mut(grid.tile(A::nearest(panel, sample.x, sample.y))) {
             if let Some(place) = sorted.get_mut(*next as usize) {
                 *place = *sample;
             }

@@ -41,8 +41,8 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
         let reach = self.reach();
         self.deep.samples().iter().map(move |sample| {
             let instant = Instant {
-                config: &self.config,
-                panel: &self.panel,
+                config: self.config,
+                panel: self.panel,
                 tiles: &self.tiles,
                 slots: self.slots,
                 lifetimes: &[],
@@ -50,12 +50,12 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
             };
             let age = instant.age(sample.time)?;
             let place = locate(&self.panel, self.slots, sample)?;
-            let seen = instant.weigh(sample, &age, place);
+            let pixel = A::nearest(&self.panel, place.0, place.1);
+            let seen = instant.weigh(sample, &age, place, pixel);
             if !A::counts(seen.weight) {
                 return None;
             }
-            let at = |v| A::pixel(&self.panel, v);
-            let pixel = self.panel.nearest(at(seen.x), at(seen.y));
+            let pixel = pixel.index(self.panel.width);
             let tests = self.config.hidden;
             let slot = self.slots.get(usize::from(sample.slot));
             Some(Decision {

@@ -1,10 +1,10 @@
 //! The deployed arithmetic: integers alone. Formats and bounds are in `docs/NUMERICS.md`.
 
-use crate::arith::{ANCHOR_BITS, Arith, GUARD, Moments, Panel, Sums, Texel};
+use crate::arith::{ANCHOR_BITS, Aligned, Arith, GUARD, Moments, Panel, Sums, Texel};
 use crate::config::TimeKernel;
 use crate::extents;
 use crate::glance::Seen;
-use crate::lanes::{self, Factor, LANES, Pair};
+use crate::lanes::{self, Along, Factor, LANES, Pair, Pixel, Row};
 use crate::num::{Divider, log2_q11, mul_hi, normalise, reciprocal, upper};
 use crate::tables::{TIME, TIME_FIRST, TIME_LEN};
 use crate::taps::{self, DISTANCE_BITS, Taps};
@@ -137,6 +137,8 @@ impl Arith for Fixed {
     type Sum = i64;
     type Features = [Pair; 8];
     type Factor = Factor;
+    type Row = Row;
+    type Along = Along;
     type Light = u16;
     type Confidence = u16;
     type Transform = Transform;
@@ -194,6 +196,12 @@ impl Arith for Fixed {
     #[inline(always)]
     fn pixel(panel: &Panel, v: u16) -> i32 {
         i32::from(v >> panel.frac_bits) - GUARD
+    }
+
+    #[inline]
+    fn nearest(panel: &Panel, x: u16, y: u16) -> Pixel {
+        let last = [panel.width, panel.height].map(|size| size.saturating_sub(1));
+        Pixel::of([x, y], panel.frac_bits.into()).less(GUARD as u16, last)
     }
 
     #[inline]
@@ -358,14 +366,24 @@ impl Arith for Fixed {
     }
 
     #[inline]
-    fn factors(weight: u16, taps: &[u16; LANES]) -> [Factor; LANES] {
-        lanes::factors(weight, taps)
+    fn rows(weight: u16, down: &[u16; LANES]) -> [Row; LANES] {
+        lanes::rows(weight, down)
+    }
+
+    #[inline]
+    fn along(taps: &[u16; LANES]) -> Along {
+        Along::new(taps)
+    }
+
+    #[inline]
+    fn factors(row: Row, along: &Along) -> [Factor; LANES] {
+        along.factors(row)
     }
 
     #[inline]
     fn add(sums: &mut Sums<Self>, weight: Factor, features: &[Pair; 8]) {
         // A share of light is below 2^31: 2^32 samples on one pixel would fit.
-        for (sums, pair) in sums.as_chunks_mut().0.iter_mut().zip(&features[..2]) {
+        for (sums, pair) in sums.0.as_chunks_mut().0.iter_mut().zip(&features[..2]) {
             pair.add_to(weight, sums);
         }
     }
@@ -373,7 +391,7 @@ impl Arith for Fixed {
     #[inline]
     fn add_moments(moments: &mut Moments<Self>, weight: Factor, features: &[Pair; 8]) {
         // Moments about the anchor may wrap; what `centred` makes of them fits again.
-        for (sums, pair) in moments.as_chunks_mut().0.iter_mut().zip(&features[2..]) {
+        for (sums, pair) in moments.0.as_chunks_mut().0.iter_mut().zip(&features[2..]) {
             pair.add_to(weight, sums);
         }
     }
@@ -386,10 +404,10 @@ impl Arith for Fixed {
         let (cx, cy) = (centre(pixel.0), centre(pixel.1));
         // a − c·b, modulo 2^64.
         let less = |a: i64, c: i64, b: i64| a.wrapping_sub(c.wrapping_mul(b));
-        let [w, r, g, b] = *sums;
-        let [x, y, xx, xy, yy, xr, xg, xb, yr, yg, yb, _] = *moments;
+        let [w, r, g, b] = sums.0;
+        let [x, y, xx, xy, yy, xr, xg, xb, yr, yg, yb, _] = moments.0;
         let (x1, y1) = (less(x, cx, w), less(y, cy, w));
-        [
+        Aligned([
             x1,
             y1,
             // Σw(x−c)² = Σwx² − cΣwx − cΣw(x−c).
@@ -403,11 +421,12 @@ impl Arith for Fixed {
             less(yg, cy, g),
             less(yb, cy, b),
             0,
-        ]
+        ])
     }
 
     #[inline]
     fn mean(sums: &Sums<Self>) -> Texel<Self> {
+        let sums = sums.0;
         if sums[0] <= 0 {
             return Texel::default();
         }
@@ -422,6 +441,7 @@ impl Arith for Fixed {
 
     #[inline]
     fn plane(sums: &Sums<Self>, moments: &Moments<Self>) -> Texel<Self> {
+        let sums = sums.0;
         if sums[0] <= 0 {
             return Texel::default();
         }
@@ -430,10 +450,10 @@ impl Arith for Fixed {
         let mean = |v: i64, bits: i32| i64::from(divider.ratio(v, bits));
         let c = [mean(sums[1], 16), mean(sums[2], 16), mean(sums[3], 16)];
         // |x| < 2^11 in 1/256 px: 20 + 8 fractional bits of a pixel.
-        let x = mean(moments[0], 11) >> 8;
-        let y = mean(moments[1], 11) >> 8;
+        let x = mean(moments.0[0], 11) >> 8;
+        let y = mean(moments.0[1], 11) >> 8;
         // |x²| < 2^22 in 2^−16 px²: 9 + 16 fractional bits.
-        let square = |k: usize| mean(moments[k], 22) >> 5;
+        let square = |k: usize| mean(moments.0[k], 22) >> 5;
         let xx = square(2) - ((x * x) >> 20) + RIDGE;
         let xy = square(3) - ((x * y) >> 20);
         let yy = square(4) - ((y * y) >> 20) + RIDGE;
@@ -446,8 +466,8 @@ impl Arith for Fixed {
         let hy = i64::from(by.ratio((xx * y - xy * x) >> 12, -4)) >> 11;
         let light = |k: usize| {
             // |x·light| < 2^27 in 1/256 px: 4 + 8 fractional bits, as light·px with 12.
-            let cx = mean(moments[5 + k], 27) - ((c[k] * x) >> 23);
-            let cy = mean(moments[8 + k], 27) - ((c[k] * y) >> 23);
+            let cx = mean(moments.0[5 + k], 27) - ((c[k] * x) >> 23);
+            let cy = mean(moments.0[8 + k], 27) - ((c[k] * y) >> 23);
             to_light(c[k] - ((cx * hx + cy * hy) >> 9))
         };
         Texel {

@@ -2,7 +2,7 @@
 //!
 //! Nothing of this decides the deployed picture; it may use library functions.
 
-use crate::arith::{ANCHOR_BITS, Arith, GUARD, Moments, Panel, REACH, Sums, Texel};
+use crate::arith::{ANCHOR_BITS, Aligned, Arith, GUARD, Moments, Panel, REACH, Sums, Texel};
 use crate::config::TimeKernel;
 use crate::extents;
 use crate::lanes::LANES;
@@ -39,6 +39,8 @@ macro_rules! float_arith {
             type Sum = $float;
             type Features = [$float; 15];
             type Factor = $float;
+            type Row = $float;
+            type Along = [$float; LANES];
             type Light = $float;
             type Confidence = $float;
             type Transform = FloatTransform<$float>;
@@ -273,18 +275,26 @@ macro_rules! float_arith {
                 weight
             }
 
-            fn factors(weight: $float, taps: &[$float; LANES]) -> [$float; LANES] {
-                taps.map(|tap| Self::times(weight, tap))
+            fn rows(weight: $float, down: &[$float; LANES]) -> [$float; LANES] {
+                down.map(|tap| Self::times(weight, tap))
+            }
+
+            fn along(taps: &[$float; LANES]) -> [$float; LANES] {
+                *taps
+            }
+
+            fn factors(row: $float, along: &[$float; LANES]) -> [$float; LANES] {
+                along.map(|tap| Self::times(row, tap))
             }
 
             fn add(sums: &mut Sums<Self>, weight: $float, features: &[$float; 15]) {
-                for (sum, feature) in sums.iter_mut().zip(features) {
+                for (sum, feature) in sums.0.iter_mut().zip(features) {
                     *sum += weight * feature;
                 }
             }
 
             fn add_moments(moments: &mut Moments<Self>, weight: $float, features: &[$float; 15]) {
-                for (sum, feature) in moments.iter_mut().zip(&features[4..]) {
+                for (sum, feature) in moments.0.iter_mut().zip(&features[4..]) {
                     *sum += weight * feature;
                 }
             }
@@ -296,10 +306,10 @@ macro_rules! float_arith {
             ) -> Moments<Self> {
                 let centre = |pixel: i32| (pixel + GUARD) as $float + 0.5;
                 let (cx, cy) = (centre(pixel.0), centre(pixel.1));
-                let [w, r, g, b] = *sums;
-                let [x, y, xx, xy, yy, xr, xg, xb, yr, yg, yb, _] = *moments;
+                let [w, r, g, b] = sums.0;
+                let [x, y, xx, xy, yy, xr, xg, xb, yr, yg, yb, _] = moments.0;
                 let (x1, y1) = (x - cx * w, y - cy * w);
-                [
+                Aligned([
                     x1,
                     y1,
                     xx - cx * x - cx * x1,
@@ -312,10 +322,11 @@ macro_rules! float_arith {
                     yg - cy * g,
                     yb - cy * b,
                     0.0,
-                ]
+                ])
             }
 
             fn mean(sums: &Sums<Self>) -> Texel<Self> {
+                let sums = sums.0;
                 if sums[0] <= 0.0 {
                     return Texel::default();
                 }
@@ -326,11 +337,12 @@ macro_rules! float_arith {
             }
 
             fn plane(sums: &Sums<Self>, moments: &Moments<Self>) -> Texel<Self> {
+                let sums = sums.0;
                 if sums[0] <= 0.0 {
                     return Texel::default();
                 }
                 let ridge = crate::solve::RIDGE_Q20 as $float / 1048576.0;
-                let m = moments.map(|v| v / sums[0]);
+                let m = moments.0.map(|v| v / sums[0]);
                 let c = [1, 2, 3].map(|k| sums[k] / sums[0]);
                 let (x, y) = (m[0], m[1]);
                 let (xx, xy, yy) = (m[2] - x * x + ridge, m[3] - x * y, m[4] - y * y + ridge);

@@ -17,7 +17,7 @@
 //! | tile map | 5 W H / 16 | |
 //! | poses and their transforms | 240 O | |
 
-use crate::arith::{Arith, Moments, Panel, Projected, Sums, Texel};
+use crate::arith::{Aligned, Arith, Moments, Panel, Projected, Sums, Texel};
 use crate::bins::Grid;
 use crate::config::{Config, Extents};
 use crate::deep::Stored;
@@ -355,8 +355,8 @@ macro_rules! empty_storage {
                     movers: [0; H],
                     mass: [$zero; D],
                     logs: [$zero; P],
-                    sums: [[$zero; 4]; P],
-                    moments: [[$zero; 12]; L],
+                    sums: [Aligned([$zero; 4]); P],
+                    moments: [Aligned([$zero; 12]); L],
                     texels: [texel; P],
                     pyramid: [texel; Y],
                     means: [Mean::EMPTY; R],

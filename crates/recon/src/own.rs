@@ -23,8 +23,8 @@ pub const fn applies(config: &Config) -> bool {
 /// The pixel of a sample that is placed in any way.
 #[inline(never)]
 fn pixel_of<A: Arith>(instant: &Instant<'_, A>, sample: &Stored) -> Option<usize> {
-    let (x, y, _) = locate(instant.panel, instant.slots, sample)?;
-    A::within(instant.panel, x, y)
+    let (x, y, _) = locate(&instant.panel, instant.slots, sample)?;
+    A::within(&instant.panel, x, y)
 }
 
 /// Samples that are placed before any is weighed: each loop alone finds the registers that both
@@ -37,7 +37,7 @@ const NONE: usize = usize::MAX;
 #[inline(never)]
 fn place<A: Arith>(instant: &Instant<'_, A>, samples: &[Stored], pixels: &mut [usize]) {
     // A copy, which compilers see to be the same for all samples.
-    let panel = *instant.panel;
+    let panel = instant.panel;
     // Samples beside each other are often of one object.
     let mut slot = 0;
     let mut transform = instant.transform(slot);
@@ -66,8 +66,8 @@ fn add_block<A: Arith>(
     pixels: &[usize],
     sums: &mut [Sums<A>],
 ) {
-    let Config { kernel, cutoff, .. } = *instant.config;
-    let (panel, lifetimes) = (instant.panel, instant.lifetimes);
+    let Config { kernel, cutoff, .. } = instant.config;
+    let (panel, lifetimes) = (&instant.panel, instant.lifetimes);
     for (sample, own) in samples.iter().zip(pixels) {
         if let Some(lifetime) = lifetimes.get(*own)
             && let Some(sums) = sums.get_mut(*own)

@@ -63,8 +63,8 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
             &[]
         };
         let instant = Instant {
-            config: &config,
-            panel: &panel,
+            config,
+            panel,
             tiles: &self.tiles,
             slots: self.slots,
             lifetimes,
@@ -147,8 +147,7 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
                 mass.fill(A::Mass::default());
                 let first = *top * width;
                 for sample in samples.iter_mut().flat_map(|samples| samples.iter_mut()) {
-                    let pixel =
-                        panel.nearest(A::pixel(&panel, sample.x), A::pixel(&panel, sample.y));
+                    let pixel = A::nearest(&panel, sample.x, sample.y).index(panel.width);
                     let hidden =
                         config.hidden && hidden::hides(reach, limits, movers, pixel, sample);
                     // Stored either way: which samples are hidden no processor foresees.
@@ -171,7 +170,7 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
         }
 
         let filter = Filter {
-            panel: &panel,
+            panel,
             widths: Widths::new(config.extents, self.logs, &self.tiles),
             light: config.light.table(),
         };

@@ -5,7 +5,7 @@ use crate::bins::{self, Grid};
 use crate::config::{Config, Lifetime};
 use crate::deep::{Placing, Stored, age, slot};
 use crate::extents;
-use crate::lanes::UNROLLS;
+use crate::lanes::{Pixel, UNROLLS};
 use crate::memory::Slot;
 use crate::motion::Past;
 use crate::tiles::TileMap;
@@ -16,9 +16,9 @@ use unframed_wire::Tick;
 #[derive(Debug)]
 pub struct Instant<'a, A: Arith> {
     /// What is to be done.
-    pub config: &'a Config,
-    /// The panel.
-    pub panel: &'a Panel,
+    pub config: Config,
+    /// The panel; its own, which nothing that is written can change.
+    pub panel: Panel,
     /// Lifetimes and gradients.
     pub tiles: &'a TileMap<'a>,
     /// The transforms of all objects.
@@ -83,7 +83,7 @@ impl<A: Arith> Instant<'_, A> {
     ) -> usize {
         starts.fill(0);
         let mut len = 0;
-        self.each(samples, |seen| {
+        self.each(samples, |seen, pixel| {
             // Written whether it counts or not: half a chance is more than a branch that is not
             // foreseen costs.
             let counts = A::counts(seen.weight);
@@ -91,7 +91,7 @@ impl<A: Arith> Instant<'_, A> {
                 *place = seen;
                 len += usize::from(counts);
             }
-            if let Some(count) = starts.get_mut(grid.tile(self.panel, &seen) + 1) {
+            if let Some(count) = starts.get_mut(grid.tile(pixel) + 1) {
                 *count += u32::from(counts);
             }
         });
@@ -99,10 +99,10 @@ impl<A: Arith> Instant<'_, A> {
         len
     }
 
-    /// Moves samples to the instant and hands over those in sight, in their order. Samples too old
-    /// to be told from young ones are emptied.
+    /// Moves samples to the instant and hands over those in sight, in their order, each with the
+    /// pixel that is nearest. Samples too old to be told from young ones are emptied.
     #[inline]
-    pub fn each(&self, samples: &mut [Stored], sink: impl FnMut(Projected<A>)) {
+    pub fn each(&self, samples: &mut [Stored], sink: impl FnMut(Projected<A>, Pixel)) {
         if UNROLLS {
             self.each_in_blocks(samples, sink);
         } else {
@@ -112,7 +112,7 @@ impl<A: Arith> Instant<'_, A> {
 
     /// One after the other: for processors that do one thing at a time.
     #[inline]
-    fn each_alone(&self, samples: &mut [Stored], mut sink: impl FnMut(Projected<A>)) {
+    fn each_alone(&self, samples: &mut [Stored], mut sink: impl FnMut(Projected<A>, Pixel)) {
         let longest = self.longest();
         let age_of = |time: u32| {
             let age = self.age(time);
@@ -131,15 +131,16 @@ impl<A: Arith> Instant<'_, A> {
                 sample.placing = Placing::Empty;
                 continue;
             };
-            if counts && let Some(place) = locate(self.panel, self.slots, sample) {
-                sink(self.weigh(sample, age, place));
+            if counts && let Some(place) = locate(&self.panel, self.slots, sample) {
+                let pixel = A::nearest(&self.panel, place.0, place.1);
+                sink(self.weigh(sample, age, place, pixel), pixel);
             }
         }
     }
 
     /// Block by block: loops that do one thing each.
     #[inline]
-    fn each_in_blocks(&self, samples: &mut [Stored], mut sink: impl FnMut(Projected<A>)) {
+    fn each_in_blocks(&self, samples: &mut [Stored], mut sink: impl FnMut(Projected<A>, Pixel)) {
         let longest = self.longest();
         let mut places = [(<_>::default(), <_>::default(), <_>::default(), 0); BLOCK];
         let mut rest = samples;
@@ -162,7 +163,8 @@ impl<A: Arith> Instant<'_, A> {
                 let Some(sample) = block.get(*index) else {
                     continue;
                 };
-                sink(self.weigh(sample, &age, (*x, *y, *depth)));
+                let pixel = A::nearest(&self.panel, *x, *y);
+                sink(self.weigh(sample, &age, (*x, *y, *depth), pixel), pixel);
             }
         }
     }
@@ -178,18 +180,18 @@ impl<A: Arith> Instant<'_, A> {
                 if let Some(transform) = slot.and_then(|slot| slot.transform.as_ref())
                     && let Some(place) = sights.get_mut(len)
                 {
-                    let (sight, inside) = A::sight(transform, self.panel, sample.place);
+                    let (sight, inside) = A::sight(transform, &self.panel, sample.place);
                     *place = (sight, index);
                     len += usize::from(inside);
                 }
             }
             for ((sight, index), place) in sights.iter().take(len).zip(places) {
-                let (x, y, depth) = A::seen(self.panel, sight);
+                let (x, y, depth) = A::seen(&self.panel, sight);
                 *place = (x, y, depth, *index);
             }
         } else {
             let seen = block.iter().enumerate().filter_map(|(index, sample)| {
-                let (x, y, depth) = locate(self.panel, self.slots, sample)?;
+                let (x, y, depth) = locate(&self.panel, self.slots, sample)?;
                 Some((x, y, depth, index))
             });
             for (place, seen) in places.iter_mut().zip(seen) {
@@ -210,16 +212,13 @@ impl<A: Arith> Instant<'_, A> {
         })
     }
 
-    /// The lifetime in the middle of the pixel of the panel that is nearest.
+    /// The lifetime in the middle of a pixel of the panel.
     #[inline]
-    fn lifetime(&self, x: i32, y: i32) -> A::Log {
-        let known = self.lifetimes.get(self.panel.nearest(x, y));
+    fn lifetime(&self, pixel: Pixel) -> A::Log {
+        let known = self.lifetimes.get(pixel.index(self.panel.width));
         known.copied().unwrap_or_else(|| {
-            let within =
-                |v: i32, size: u16| A::centre(self.panel, v.min(i32::from(size) - 1).max(0));
-            let x = within(x, self.panel.width);
-            let y = within(y, self.panel.height);
-            A::lifetime(self.tiles, self.panel, x, y)
+            let [x, y] = pixel.place().map(|v| A::centre(&self.panel, v.into()));
+            A::lifetime(self.tiles, &self.panel, x, y)
         })
     }
 
@@ -244,18 +243,19 @@ impl<A: Arith> Instant<'_, A> {
         })
     }
 
-    /// A sample of an age that is seen at a place and depth.
+    /// A sample of an age that is seen at a place and depth, nearest to a pixel.
     #[inline]
     pub(crate) fn weigh(
         &self,
         sample: &Stored,
         age: &Age<A>,
         (x, y, depth): (A::Coord, A::Coord, A::Depth),
+        pixel: Pixel,
     ) -> Projected<A> {
         let lifetime = match self.config.lifetime {
             Lifetime::Constant(log) => A::log(log),
-            Lifetime::Tiles => self.lifetime(A::pixel(self.panel, x), A::pixel(self.panel, y)),
-            Lifetime::Gradient => A::extents(self.tiles, self.panel, x, y).0,
+            Lifetime::Tiles => self.lifetime(pixel),
+            Lifetime::Gradient => A::extents(self.tiles, &self.panel, x, y).0,
         };
         Projected {
             x,

@@ -88,6 +88,8 @@ impl<B: Bits> Arith for Rounded<B> {
     type Sum = f64;
     type Features = <f64 as Arith>::Features;
     type Factor = f64;
+    type Row = f64;
+    type Along = [f64; LANES];
     type Light = f64;
     type Confidence = f64;
     type Transform = FloatTransform<f64>;
@@ -214,8 +216,16 @@ impl<B: Bits> Arith for Rounded<B> {
         weight
     }
 
-    fn factors(weight: f64, taps: &[f64; LANES]) -> [f64; LANES] {
-        taps.map(|tap| Self::times(weight, tap))
+    fn rows(weight: f64, down: &[f64; LANES]) -> [f64; LANES] {
+        down.map(|tap| Self::times(weight, tap))
+    }
+
+    fn along(taps: &[f64; LANES]) -> [f64; LANES] {
+        *taps
+    }
+
+    fn factors(row: f64, along: &[f64; LANES]) -> [f64; LANES] {
+        along.map(|tap| Self::times(row, tap))
     }
 
     fn add(sums: &mut Sums<Self>, weight: f64, features: &Self::Features) {

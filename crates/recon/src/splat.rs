@@ -82,7 +82,10 @@ impl<'a, A: Arith> Widths<'a, A> {
         Some(match self {
             Widths::Map(map) => {
                 let (x, y) = (A::pixel(panel, at.x), A::pixel(panel, at.y));
-                [map.get(panel.nearest(x, y)).copied().unwrap_or_default(); 2]
+                // Not `A::nearest`, which takes fewer instructions but longer: the width says how
+                // many pixels follow, which no processor foresees.
+                let nearest = panel.nearest(x, y);
+                [map.get(nearest).copied().unwrap_or_default(); 2]
             }
             Widths::Constant(width) => [*width; 2],
             Widths::Tiles(map) => gradient_widths(map, panel, at),
@@ -101,8 +104,8 @@ fn gradient_widths<A: Arith>(map: &TileMap<'_>, panel: &Panel, at: &Projected<A>
 /// What samples are scattered with.
 #[derive(Clone, Copy, Debug)]
 pub struct Filter<'a, A: Arith> {
-    /// The panel.
-    pub panel: &'a Panel,
+    /// The panel; its own, which no sum that is written can change.
+    pub panel: Panel,
     /// Widths.
     pub widths: Widths<'a, A>,
     /// Light of each code of a colour.
@@ -151,7 +154,7 @@ impl<A: Arith> Filter<'_, A> {
     /// Adds one sample to its own pixel, if that is one of the band.
     #[inline]
     pub fn own(&self, at: &Projected<A>, target: &mut Target<'_, A>) {
-        let panel = self.panel;
+        let panel = &self.panel;
         let (x, y) = (A::pixel(panel, at.x), A::pixel(panel, at.y));
         let first = target.lines.start * usize::from(panel.width);
         let Some(own) = panel.inside(x, y).and_then(|own| own.checked_sub(first)) else {
@@ -174,7 +177,7 @@ impl<A: Arith> Filter<'_, A> {
         if !A::counts(at.weight) {
             return;
         }
-        let panel = self.panel;
+        let panel = &self.panel;
         let (x, y) = (A::pixel(panel, at.x), A::pixel(panel, at.y));
         let band = target.lines.start as i32..target.lines.end as i32;
         if y + REACH < band.start || y - REACH >= band.end {
@@ -200,13 +203,13 @@ impl<A: Arith> Filter<'_, A> {
             && rows.end <= band.end
             && columns.start >= 0
             && columns.end <= i32::from(panel.width)
-            && part_end(rows.start, rows.end, bits) == rows.end
-            && part_end(columns.start, columns.end, bits) == columns.end;
+            && is_part(&rows, bits)
+            && is_part(&columns, bits);
         if whole {
             footprint.add::<PLANES>(panel, rows, columns, target);
-            return;
+        } else {
+            footprint.add_parts::<PLANES>(panel, rows, columns, target);
         }
-        footprint.add_parts::<PLANES>(panel, rows, columns, target);
     }
 }
 
@@ -245,21 +248,24 @@ impl<A: Arith> Footprint<'_, A> {
             across,
             features: A::features(panel, self.light, (self.at.x, self.at.y), anchor),
         };
-        let down = down.get(..rows.len()).unwrap_or_default();
         let line = (rows.start - target.lines.start as i32) as usize * width;
         let first = line + columns.start as usize;
+        let rows = rows.len();
         // Loops over so few end in a branch that no processor foresees: where code is cheap, there
         // is one without a loop for each number of columns.
         match columns.len() {
-            columns if !UNROLLS => share.add_some::<PLANES>(down, first, width, columns, target),
-            1 => share.add::<1, PLANES>(down, first, width, target),
-            2 => share.add::<2, PLANES>(down, first, width, target),
-            3 => share.add::<3, PLANES>(down, first, width, target),
-            4 => share.add::<4, PLANES>(down, first, width, target),
-            5 => share.add::<5, PLANES>(down, first, width, target),
-            6 => share.add::<6, PLANES>(down, first, width, target),
-            7 => share.add::<7, PLANES>(down, first, width, target),
-            _ => share.add::<LANES, PLANES>(down, first, width, target),
+            columns if !UNROLLS => {
+                let down = down.get(..rows).unwrap_or_default();
+                share.add_some::<PLANES>(down, first, width, columns, target);
+            }
+            1 => share.add::<1, PLANES>((down, rows), first, width, target),
+            2 => share.add::<2, PLANES>((down, rows), first, width, target),
+            3 => share.add::<3, PLANES>((down, rows), first, width, target),
+            4 => share.add::<4, PLANES>((down, rows), first, width, target),
+            5 => share.add::<5, PLANES>((down, rows), first, width, target),
+            6 => share.add::<6, PLANES>((down, rows), first, width, target),
+            7 => share.add::<7, PLANES>((down, rows), first, width, target),
+            _ => share.add::<LANES, PLANES>((down, rows), first, width, target),
         }
     }
 
@@ -299,18 +305,20 @@ struct Share<'a, A: Arith> {
 }
 
 impl<A: Arith> Share<'_, A> {
-    /// Adds it to `COLUMNS` pixels of a row for each tap `down`, from pixel `first` on, rows being
-    /// `width` apart.
+    /// Adds it to `COLUMNS` pixels of each of so many rows, with the taps `down`, from pixel
+    /// `first` on, rows being `width` apart.
     #[inline]
     fn add<const COLUMNS: usize, const PLANES: bool>(
         &self,
-        down: &[A::Weight],
+        (down, rows): (&[A::Weight; LANES], usize),
         mut first: usize,
         width: usize,
         target: &mut Target<'_, A>,
     ) {
-        for tap in down {
-            let weights = A::factors(A::times(self.weight, *tap), self.across);
+        let along = A::along(self.across);
+        let weights = A::rows(self.weight, down);
+        for row in weights.get(..rows).unwrap_or_default() {
+            let weights = A::factors(*row, &along);
             if let Some(sums) = chunk::<_, COLUMNS>(target.sums, first) {
                 for (sums, weight) in sums.iter_mut().zip(weights) {
                     A::add(sums, weight, &self.features);
@@ -360,6 +368,12 @@ impl<A: Arith> Share<'_, A> {
 #[inline]
 fn chunk<T, const N: usize>(of: &mut [T], first: usize) -> Option<&mut [T; N]> {
     of.get_mut(first..)?.first_chunk_mut()
+}
+
+/// Whether pixels lie in one square of 2^`bits` pixels and are no more than [`LANES`].
+#[inline]
+fn is_part(pixels: &Range<i32>, bits: u32) -> bool {
+    pixels.end - pixels.start <= LANES as i32 && pixels.start >> bits == (pixels.end - 1) >> bits
 }
 
 /// Where the part of `start..end` ends that lies in one square of 2^`bits` pixels and is no longer

@@ -275,8 +275,8 @@ proptest! {
                 *sum += i64::from(*weight) * term;
             }
         }
-        prop_assert_eq!(&sums[..], &direct[..4]);
-        prop_assert_eq!(&moments[..11], &direct[4..]);
+        prop_assert_eq!(&sums.0[..], &direct[..4]);
+        prop_assert_eq!(&moments.0[..11], &direct[4..]);
     }
 
     /// Weighted means: a rounding.

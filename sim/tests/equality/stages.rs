@@ -160,7 +160,7 @@ impl Stages {
         let mut sums = vec![Sums::<Fixed>::default(); pixels];
         let mut moments = vec![Moments::<Fixed>::default(); if planes { pixels } else { 0 }];
         let filter = Filter {
-            panel: &panel,
+            panel,
             widths: Widths::new(config.extents, &widths, &map),
             light,
         };
@@ -170,7 +170,10 @@ impl Stages {
             moments: &mut moments,
         };
         filter.scatter(std::iter::once(&seen(&projected)[..]), &mut target);
-        expected.push((Probe::Sums, wide(sums.as_flattened()).collect()));
+        expected.push((
+            Probe::Sums,
+            sums.iter().flat_map(|sums| wide(&sums.0)).collect(),
+        ));
         if planes {
             let centred = moments
                 .iter()
@@ -183,7 +186,7 @@ impl Stages {
                         within(i / usize::from(width)),
                     );
                     let moments = Fixed::centred(s, m, pixel);
-                    wide(&moments[..11]).collect::<Vec<_>>()
+                    wide(&moments.0[..11]).collect::<Vec<_>>()
                 });
             expected.push((Probe::Moments, centred.collect()));
         }
