@@ -426,7 +426,7 @@ impl Arith for Fixed {
 
     #[inline]
     fn mean(sums: &Sums<Self>) -> Texel<Self> {
-        let sums = sums.0;
+        let sums = &sums.0;
         if sums[0] <= 0 {
             return Texel::default();
         }
@@ -441,7 +441,7 @@ impl Arith for Fixed {
 
     #[inline]
     fn plane(sums: &Sums<Self>, moments: &Moments<Self>) -> Texel<Self> {
-        let sums = sums.0;
+        let sums = &sums.0;
         if sums[0] <= 0 {
             return Texel::default();
         }
