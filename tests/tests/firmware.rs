@@ -84,7 +84,7 @@ fn what_moves_costs_what_is_young() {
         return;
     }
     let size = (64, 64);
-    for method in ["adaptive-constant", "adaptive"] {
+    for method in ["pixels", "adaptive-constant", "adaptive"] {
         // Lifetimes of 1/16, 1/4 and 1 s.
         let costs = [96, 112, 128].map(|lifetime| {
             let mut rng = Rng(40);
@@ -107,6 +107,39 @@ fn what_moves_costs_what_is_young() {
         let [short, middle, _] = costs;
         // Fewer samples are filtered more widely; not asking where the old ones are saves a third.
         assert!(3 * short < 2 * middle, "{method}: {costs:?}");
+    }
+}
+
+/// 64 × 64 pixels, 16,384 samples remembered, everything moving, each sample counting for its own
+/// pixel: within four million instructions a refresh, 240 million a second, and with the bits that the
+/// desktop finds by its filters.
+#[test]
+fn pixels_alone_move_within_four_million_instructions() {
+    let boards = boards_or_skip(Image::Play, "pixels alone");
+    let gpu = adapter_or_skip("pixels alone on the adapter");
+    for (scene, bytes) in recorded() {
+        let show = Show {
+            method: "pixels",
+            ..show(&bytes)
+        };
+        let hashes = show.fixed().hashes();
+        if let Some(gpu) = &gpu {
+            let twin = show.twin(gpu).expect("the adapter has room");
+            assert_eq!(twin.hashes(), hashes, "{scene} on the adapter");
+        }
+        for board in Board::ALL.iter().filter(|_| boards) {
+            let report = show.board(*board, Image::Play).expect("the board works");
+            let shown: Vec<_> = report.shown.iter().map(|shown| shown.hash).collect();
+            assert_eq!(shown, hashes, "{scene} on {}", board.name());
+            let most = report.shown.iter().map(|shown| shown.show).max();
+            println!("{scene} on {}: {most:?} instructions", board.name());
+            if *board == Board::CortexM7 {
+                assert!(
+                    most.is_some_and(|most| most <= 4_000_000),
+                    "{scene}: {most:?}"
+                );
+            }
+        }
     }
 }
 

@@ -124,6 +124,15 @@ impl Config {
         rest: true,
     };
 
+    /// What a small core has time for: a sample counts for its own pixel, none is tested for being
+    /// hidden.
+    pub const PIXELS: Self = Self {
+        hidden: false,
+        extents: Extents::Pixel,
+        fit: Fit::Constant,
+        ..Self::ADAPTIVE
+    };
+
     /// Traditional frameless display.
     pub const NEWEST: Self = Self {
         mode: Mode::Newest,
@@ -157,7 +166,7 @@ impl Config {
 }
 
 /// Configurations by name: what a job for the firmware starts from, see [`Config::parse`].
-pub const NAMED: [(&str, Config); 5] = [
+pub const NAMED: [(&str, Config); 6] = [
     ("adaptive", Config::ADAPTIVE),
     (
         "adaptive-constant",
@@ -169,6 +178,7 @@ pub const NAMED: [(&str, Config); 5] = [
     ("uniform", Config::UNIFORM),
     ("paper", Config::PAPER),
     ("frameless", Config::NEWEST),
+    ("pixels", Config::PIXELS),
 ];
 
 impl Default for Config {

@@ -1,11 +1,12 @@
 //! A glance before a look: in which pixel a lattice point is seen, in 32 bits where those are sure.
 //!
-//! To name the pixel of a sample takes a tenth of the digits that place it within the pixel. So the
-//! numerators are first formed in units of 2^20, one instruction a product on a Cortex-M, with a
-//! bound on what that leaves out; only where a border of pixels lies within the bound (for
-//! a panel of 64 × 64 pixels one sample in 16), or where the eye is so close that digits are lacking,
-//! the exact product decides (a filtered predicate, Shewchuk 1997 §2). The answer is the exact
-//! one in every case, which `tests` holds it to.
+//! To name the pixel of a sample takes fewer digits than to place it within the pixel. So the
+//! numerators are first formed in 32 bits, one instruction a product on a Cortex-M, with a bound on
+//! what that leaves out; only where a border of pixels lies within the bound (on a panel of 64 × 64
+//! pixels one sample in 25), or where the eye is so close that digits are lacking, the exact
+//! product decides (a filtered predicate, as in Shewchuk 1997, *Adaptive precision floating-point
+//! arithmetic and fast robust geometric predicates*). The answer is the exact one in every case, which
+//! `tests` holds it to.
 //!
 //! **The bound.** In units in which no numerator is beyond 2^28, what is left of `M·q` is
 //! `⌊M'q/2^16⌋`, where `M` loses less than half a unit for any `|q| ≤ 2^15`; with the product's rounding, three

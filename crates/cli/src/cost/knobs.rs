@@ -253,7 +253,14 @@ pub struct Preset {
 /// comes to zero where the rational one has a tail: the same error for fewer samples that count.
 /// Only the least does without the hidden-point test: the older a sample may be, the more the test
 /// is worth.
-pub const PRESETS: [Preset; 6] = [
+pub const PRESETS: [Preset; 7] = [
+    Preset {
+        hidden: false,
+        memory: 0.25,
+        extents: Extents::Pixel,
+        rest: false,
+        ..preset("tiny", 1.5, Fit::Constant)
+    },
     Preset {
         hidden: false,
         memory: 0.25,

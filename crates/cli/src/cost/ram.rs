@@ -82,8 +82,9 @@ mod tests {
                 { CALLS.means },
             >;
             let sum = storage::<Fixed>(61, 47, 1001, &CONFIG, 9);
-            assert_eq!(size_of::<Whole>(), sum.next_multiple_of(8));
-            assert_eq!(align_of::<Whole>(), 8);
+            // Here sums may be aligned to more than on a board, which fills up the end alone.
+            let alignment = align_of::<Whole>();
+            assert_eq!(size_of::<Whole>(), sum.next_multiple_of(alignment));
             sum
         }};
     }
