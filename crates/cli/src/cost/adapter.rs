@@ -161,7 +161,7 @@ mod tests {
         };
         let world = open_scene("interactive", size).unwrap();
         let found = measure(&gpu, &[&PRESETS[0]], &world, size, 1, [2, 5]).unwrap();
-        assert_eq!(found.presets[0].preset, "least");
+        assert_eq!(found.presets[0].preset, PRESETS[0].name);
         assert!(found.presets[0].adapter_ms > 0.0 && found.presets[0].processor_ms > 0.0);
     }
 }
