@@ -29,13 +29,12 @@ const REFRESHES: u32 = 42;
 /// `unframed cost` takes 1 if not told.
 const OTHER_SEED: u64 = 77;
 
-/// What the command answers: its report's budget.
-fn ask(scene: &str, budget: &str, out: &Path) -> Value {
+/// What the command answers that may choose of these presets: its report's budget.
+fn ask(scene: &str, presets: &str, budget: &str, out: &Path) -> Value {
     let json = out.join("numbers.json");
     let seconds = SECONDS.to_string();
     let (dir, file) = (out.to_str().unwrap(), json.to_str().unwrap());
-    let three = "small,low,medium";
-    let small = ["cost", scene, "--preset", three, "--size", "32x32"];
+    let small = ["cost", scene, "--preset", presets, "--size", "32x32"];
     let more = [
         "--seconds",
         &seconds,
@@ -86,21 +85,36 @@ fn play(scene: &str, budget: &Budget, knobs: &Knobs) -> (Report, u64) {
 #[test]
 fn what_the_solver_promises_a_board_counts() {
     // Each asks for as much as its answer just about takes: RAM, time and the link bind in turn.
-    for (scene, budget, binds) in [
+    const USUAL: &str = "small,low,medium";
+    for (scene, presets, budget, binds) in [
         (
             "interactive",
+            USUAL,
             "cortex-m7@2GHz link=20Mbit/s ram=600KiB 72x56@60Hz",
             "RAM",
         ),
         (
             "walkthrough",
+            USUAL,
             "cortex-m4@500MHz ram=4MiB 96x40@60Hz",
             "time",
         ),
-        ("toycar", "rv32imac@9GHz link=1.1Mbit/s 60x80@60Hz", "link"),
+        (
+            "toycar",
+            USUAL,
+            "rv32imac@9GHz link=1.1Mbit/s 60x80@60Hz",
+            "link",
+        ),
+        // Samples that count for their pixels alone, in an image with no room for more.
+        (
+            "interactive",
+            "tiny,small",
+            "cortex-m7@180MHz ram=256KiB 64x64@60Hz",
+            "time",
+        ),
     ] {
         let out = tempfile::tempdir().expect("a directory");
-        let answer = ask(scene, budget, out.path());
+        let answer = ask(scene, presets, budget, out.path());
         let budget: Budget = budget.parse().expect("a budget");
         if answer["all"][0][0]["mean"].is_null() && std::env::var_os("CI").is_none() {
             eprintln!("SKIPPED, not tested: the promises on {scene}: no emulator or compiler");
