@@ -5,7 +5,8 @@ use crate::config::TimeKernel;
 use crate::extents;
 use crate::glance::Seen;
 use crate::lanes::{self, Along, Factor, LANES, Pair, Pixel, Row};
-use crate::num::{Divider, log2_q11, mul_hi, normalise, reciprocal, upper};
+use crate::num::{Divider, log2_q11};
+use crate::sight::{DEPTH_FIRST, Sight};
 use crate::tables::{TIME, TIME_FIRST, TIME_LEN};
 use crate::taps::{self, DISTANCE_BITS, Taps};
 use crate::tiles::{CELL, CELL_BITS, Cell, TileMap};
@@ -17,9 +18,6 @@ use unframed_wire::{LogCode, Pose, View};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Fixed;
 
-/// log2 of the nearest depth that is told apart, world units: 1, so that the farthest is 2^32,
-/// beyond the sky.
-const DEPTH_FIRST: i32 = 0;
 /// One, with 15 fractional bits.
 const ONE: u32 = 1 << 15;
 /// log2 of 10^6 with 11 fractional bits: microseconds in a second.
@@ -31,62 +29,11 @@ const MASS_LIMIT: u32 = 64 << 15;
 /// The ridge on the plane's slopes, px² with 20 fractional bits, see [`crate::solve`].
 const RIDGE: i64 = crate::solve::RIDGE_Q20;
 
-/// A direction from the guard band's corner: x and y in pixels are x/w and y/w, the depth is w in
-/// units of 2^`exponent`. None is beyond 2^62.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Sight {
-    x: u64,
-    y: u64,
-    w: u64,
-    exponent: i32,
-}
-
-/// The numerator of a coordinate from the guard band's edge on.
-#[inline(always)]
-fn from_guard(n: i64, w: i64) -> i64 {
-    // |n| < 2^50, so the products with at most 2^12 cannot overflow.
-    n + w * i64::from(GUARD)
-}
-
-/// Whether a coordinate is neither below zero nor beyond the guard.
-#[inline(always)]
-fn in_sight(v: i64, w: i64, size: u16) -> bool {
-    let limit = w * (i64::from(size) + 2 * i64::from(GUARD));
-    // One comparison.
-    (v as u64) < limit as u64
-}
-
 /// The pixel of the panel in which a lattice point is seen, exactly. Seldom called.
 #[inline(never)]
 fn look(transform: &Transform, panel: &Panel, place: [i16; 3]) -> Option<usize> {
     let (x, y, _) = Fixed::project(transform, panel, place)?;
     Fixed::within(panel, x, y)
-}
-
-/// Division by a distance below 2^50.
-struct Distance {
-    inverse: u32,
-    up: u32,
-    drop: u32,
-}
-
-impl Distance {
-    #[inline(always)]
-    fn new(panel: &Panel, w: u64) -> Self {
-        let extent = u32::from(panel.extent_bits);
-        Self {
-            inverse: reciprocal(normalise(w)),
-            // A distance has more leading zeros than `extent`.
-            up: w.leading_zeros().wrapping_sub(extent),
-            drop: 31 - extent - u32::from(panel.frac_bits),
-        }
-    }
-
-    /// The coordinate of a numerator below the distance times 2^`extent_bits`.
-    #[inline(always)]
-    fn part(&self, v: u64) -> u16 {
-        (mul_hi(upper(v, self.up), self.inverse) >> self.drop) as u16
-    }
 }
 
 /// A coordinate's place in distance units from the guard's edge: the middle of its step.
@@ -152,24 +99,12 @@ impl Arith for Fixed {
 
     #[inline(always)]
     fn sight(transform: &Transform, panel: &Panel, place: [i16; 3]) -> (Sight, bool) {
-        let [nx, ny, w] = transform.numerators(place);
-        let (x, y) = (from_guard(nx, w), from_guard(ny, w));
-        let inside = (w > 0) & in_sight(x, w, panel.width) & in_sight(y, w, panel.height);
-        let sight = Sight {
-            x: x as u64,
-            y: y as u64,
-            w: w as u64,
-            exponent: transform.exponent,
-        };
-        (sight, inside)
+        Sight::of(transform, panel, place)
     }
 
     #[inline(always)]
     fn seen(panel: &Panel, sight: &Sight) -> (u16, u16, u16) {
-        let distance = Distance::new(panel, sight.w);
-        let depth = log2_q11(sight.w) + (sight.exponent - DEPTH_FIRST) * 2048;
-        let depth = depth.clamp(0, 65534) as u16;
-        (distance.part(sight.x), distance.part(sight.y), depth)
+        sight.place(panel)
     }
 
     #[inline]
@@ -546,4 +481,24 @@ fn mean_light(v: u32) -> u16 {
 fn confidence(weight: i64) -> u16 {
     let weight = (weight as u64).min(ENOUGH) as u32;
     ((weight * ONE) / ENOUGH as u32) as u16
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Four texels that are all known, as any others are pulled.
+        #[test]
+        fn known_texels_are_pulled_as_others_are(lights in prop::array::uniform4(prop::array::uniform3(any::<u16>()))) {
+            let pulled = Fixed::pull(lights.map(|light| Texel { light, confidence: ONE as u16 }));
+            let divider = Divider::new(u64::from(4 * ONE));
+            for c in 0..3 {
+                let sum: u64 = lights.iter().map(|light| u64::from(light[c]) * u64::from(ONE)).sum();
+                prop_assert_eq!(pulled.light[c], mean_light(divider.part(sum, 16)));
+            }
+            prop_assert_eq!(u32::from(pulled.confidence), ONE);
+        }
+    }
 }

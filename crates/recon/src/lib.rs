@@ -54,6 +54,7 @@ pub mod rest;
 #[cfg(feature = "float")]
 pub mod rounded;
 pub mod scanout;
+pub mod sight;
 pub mod solve;
 pub mod splat;
 pub mod tables;
