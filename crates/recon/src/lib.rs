@@ -11,8 +11,8 @@
 //! | what arithmetic is, in integers and in floats | [`arith`], [`fixed`], `float` |
 //! | what is kept | [`deep`], [`tiles`], [`memory`], `heap` |
 //! | who works on which samples and pixels | [`bins`], [`workers`] |
-//! | the steps of a refresh | [`transform`], [`project`], [`motion`], [`hidden`], [`extents`], [`splat`], [`solve`], [`fill`], [`encode`] |
-//! | what replaces them when nothing moves | [`rest`] |
+//! | the steps of a refresh | [`transform`], [`sight`], [`project`], [`motion`], [`hidden`], [`extents`], [`splat`], [`solve`], [`fill`], [`encode`] |
+//! | what replaces them when nothing moves, where nothing is filtered | [`rest`]; [`own`], [`glance`] |
 //! | all together | [`config`], [`display`], [`player`], [`scanout`] |
 //! | to compare arithmetics | `decisions` |
 //!
