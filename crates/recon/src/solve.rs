@@ -10,7 +10,7 @@
 
 use crate::arith::{ANCHOR_BITS, Arith, Moments, Sums, Texel};
 
-/// The ridge ρ, px² with 20 fractional bits: 0.1. It bounds |h| by |(E[x], E[y])|/ρ,
+/// The ridge ρ, px² with 20 fractional bits: 0.1. It bounds |h| by |(E\[x\], E\[y\])|/ρ,
 /// which is what rounded coordinates are enlarged by: 0.04 px² doubles that and errs no less.
 pub const RIDGE_Q20: i64 = 104858;
 
