@@ -4,8 +4,9 @@ use embedded_graphics_core::pixelcolor::raw::RawU16;
 use embedded_graphics_core::pixelcolor::{Rgb565, Rgb888};
 use embedded_graphics_core::prelude::RawData;
 use unframed_host::scene::builtin::BUILTIN;
+use unframed_sim::Gpu;
 use unframed_sim::boards::elf::Contents;
-use unframed_sim::boards::{Board, BoardError, Image, Target};
+use unframed_sim::boards::{Board, BoardError, Image, Report, Target};
 use unframed_tests::backends::{Show, adapter_or_skip, boards_or_skip, firmware};
 use unframed_tests::controller::Controller;
 use unframed_tests::scenes::{RATE, REFRESHES, SIZE, record, recorded};
@@ -24,6 +25,29 @@ fn show(bytes: &[u8]) -> Show<'_> {
     }
 }
 
+/// Shows a stream on the adapter and, if wanted, on all boards, with the bits of the desktop; what the
+/// boards reported.
+fn shown_alike(
+    scene: &str,
+    show: &Show<'_>,
+    gpu: Option<&Gpu>,
+    boards: bool,
+) -> Vec<(Board, Report)> {
+    let hashes = show.fixed().hashes();
+    if let Some(gpu) = gpu {
+        let twin = show.twin(gpu).expect("the adapter has room");
+        assert_eq!(twin.hashes(), hashes, "{scene} on the adapter");
+    }
+    let boards = Board::ALL.iter().filter(|_| boards);
+    let reports = boards.map(|board| {
+        let report = show.board(*board, Image::Play).expect("the board works");
+        let shown: Vec<_> = report.shown.iter().map(|shown| shown.hash).collect();
+        assert_eq!(shown, hashes, "{scene} on {}", board.name());
+        (*board, report)
+    });
+    reports.collect()
+}
+
 #[test]
 fn every_back_end_shows_the_same_bits_of_the_scenes() {
     let gpu = adapter_or_skip("the scenes on the adapter");
@@ -39,14 +63,7 @@ fn every_back_end_shows_the_same_bits_of_the_scenes() {
             hashes.len(),
             "{scene}: the picture stands still"
         );
-        if let Some(gpu) = &gpu {
-            let twin = show.twin(gpu).expect("the adapter has room");
-            assert_eq!(twin.hashes(), hashes, "{scene} on the adapter");
-        }
-        for board in Board::ALL.iter().filter(|_| boards) {
-            let report = show.board(*board, Image::Play).expect("the board works");
-            let shown: Vec<_> = report.shown.iter().map(|shown| shown.hash).collect();
-            assert_eq!(shown, hashes, "{scene} on {}", board.name());
+        for (_, report) in shown_alike(scene, &show, gpu.as_ref(), boards) {
             assert!(report.stack < STACK, "{} bytes of stack", report.stack);
         }
     }
@@ -122,18 +139,10 @@ fn pixels_alone_move_within_four_million_instructions() {
             method: "pixels",
             ..show(&bytes)
         };
-        let hashes = show.fixed().hashes();
-        if let Some(gpu) = &gpu {
-            let twin = show.twin(gpu).expect("the adapter has room");
-            assert_eq!(twin.hashes(), hashes, "{scene} on the adapter");
-        }
-        for board in Board::ALL.iter().filter(|_| boards) {
-            let report = show.board(*board, Image::Play).expect("the board works");
-            let shown: Vec<_> = report.shown.iter().map(|shown| shown.hash).collect();
-            assert_eq!(shown, hashes, "{scene} on {}", board.name());
+        for (board, report) in shown_alike(scene, &show, gpu.as_ref(), boards) {
             let most = report.shown.iter().map(|shown| shown.show).max();
             println!("{scene} on {}: {most:?} instructions", board.name());
-            if *board == Board::CortexM7 {
+            if board == Board::CortexM7 {
                 assert!(
                     most.is_some_and(|most| most <= 4_000_000),
                     "{scene}: {most:?}"
