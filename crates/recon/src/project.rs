@@ -102,7 +102,7 @@ impl<A: Arith> Instant<'_, A> {
     /// Moves samples to the instant and hands over those in sight, in their order, each with the
     /// pixel that is nearest. Samples too old to be told from young ones are emptied.
     #[inline]
-    pub fn each(&self, samples: &mut [Stored], sink: impl FnMut(Projected<A>, Pixel)) {
+    fn each(&self, samples: &mut [Stored], sink: impl FnMut(Projected<A>, Pixel)) {
         if UNROLLS {
             self.each_in_blocks(samples, sink);
         } else {

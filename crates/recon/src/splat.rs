@@ -147,13 +147,13 @@ impl<A: Arith> Filter<'_, A> {
 
     /// A sample's light.
     #[inline]
-    pub fn light_of(&self, rgb: [u8; 3]) -> [A::Light; 3] {
+    fn light_of(&self, rgb: [u8; 3]) -> [A::Light; 3] {
         rgb.map(|code| A::light(self.light[usize::from(code)]))
     }
 
     /// Adds one sample to its own pixel, if that is one of the band.
     #[inline]
-    pub fn own(&self, at: &Projected<A>, target: &mut Target<'_, A>) {
+    fn own(&self, at: &Projected<A>, target: &mut Target<'_, A>) {
         let panel = &self.panel;
         let (x, y) = (A::pixel(panel, at.x), A::pixel(panel, at.y));
         let first = target.lines.start * usize::from(panel.width);
