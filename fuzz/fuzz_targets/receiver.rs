@@ -68,6 +68,7 @@ fuzz_target!(|data: &[u8]| {
         rate: 1,
         refresh_millihertz: 1,
         world: WorldFrame { origin: [0.0; 3], unit: 1.0 },
+        lamps: 0,
     };
     let mut receiver = Receiver::new();
     let mut bytes = Vec::new();

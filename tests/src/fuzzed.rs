@@ -9,7 +9,7 @@
 use crate::accuracy::{Accuracy, CLOSE_BORDER, Setting, compare};
 use crate::stream::{DEPTH, Rng, Stream, flat, pose, tile};
 use unframed_recon::config::{Config, Extents, Fit, NAMED};
-use unframed_wire::{Layout, LogCode, Pose, SKY, ScreenSample, Tick, View, WorldSample};
+use unframed_wire::{Layout, LogCode, Pose, SKY, ScreenSample, Shares, Tick, View, WorldSample};
 
 /// Panels: of 7 and of 6 fractional bits, odd, of one row, of one pixel.
 const SIZES: [(u16, u16); 5] = [(24, 24), (33, 17), (64, 5), (500, 3), (1, 1)];
@@ -114,6 +114,7 @@ fn samples(data: &mut Bytes<'_>) -> Vec<WorldSample> {
                 place: [0, 1, 2].map(|k| centre[k].wrapping_add(away(k))),
                 rgb: [colour[0], colour[1], colour[2]],
                 object,
+                shares: Shares::default(),
             }
         })
         .collect()

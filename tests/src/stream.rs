@@ -5,8 +5,8 @@
 //! seen by an object at rest falls on the corner of pixel (x, y) counted from the panel's centre.
 
 use unframed_wire::{
-    Axis, ColourEncoding, Hello, Layout, LogCode, Pose, Rect, Refresh, SKY, ScreenSample, Tick,
-    Tile, TileFields, TileNode, View, WorldFrame, WorldSample, Writer,
+    Axis, ColourEncoding, Hello, Layout, LogCode, Pose, Rect, Refresh, SKY, ScreenSample, Shares,
+    Tick, Tile, TileFields, TileNode, View, WorldFrame, WorldSample, Writer,
 };
 
 /// Distance of the plane from the eye of [`flat`], world units.
@@ -82,6 +82,7 @@ pub fn sample(place: [i16; 3], rgb: [u8; 3]) -> WorldSample {
         place,
         rgb,
         object: 0,
+        shares: Shares::default(),
     }
 }
 
@@ -122,6 +123,7 @@ impl Stream {
                 origin: [0.0; 3],
                 unit: 0.001,
             },
+            lamps: 0,
         };
         stream.send(|writer, mut sink| writer.hello(&hello, &mut sink));
         stream

@@ -27,6 +27,7 @@ fn hello(layout: Layout) -> Hello {
             origin: [0.5, -1.0, 2.0],
             unit: 0.001,
         },
+        lamps: 0,
     }
 }
 

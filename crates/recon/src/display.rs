@@ -199,7 +199,12 @@ impl<'a, A: Arith, W: Workers> Display<'a, A, W> {
                 self.refresh(&refresh);
                 return Some(refresh);
             }
-            Packet::End(_) | Packet::Status(_) | Packet::Index(_) | Packet::Trailer(_) => {}
+            Packet::End(_)
+            | Packet::Status(_)
+            | Packet::Index(_)
+            | Packet::Trailer(_)
+            | Packet::Lamps(_)
+            | Packet::Shape(_) => {}
         }
         None
     }

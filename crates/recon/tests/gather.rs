@@ -5,8 +5,8 @@
 use unframed_recon::heap::HeapStorage;
 use unframed_recon::{Arith, Config, Display, Fixed};
 use unframed_wire::{
-    ColourEncoding, Hello, Layout, LogCode, Pose, Rect, Refresh, Tick, Tile, TileFields, View,
-    WorldFrame, WorldSample,
+    ColourEncoding, Hello, Layout, LogCode, Pose, Rect, Refresh, Shares, Tick, Tile, TileFields,
+    View, WorldFrame, WorldSample,
 };
 
 const SIZE: u16 = 48;
@@ -92,6 +92,7 @@ impl Scene {
                 place: [x, y, 0],
                 rgb: [level as u8, (0.7 * level) as u8, 250 - level as u8],
                 object: 0,
+                shares: Shares::default(),
             };
             (Tick(10 * i), sample)
         });
@@ -125,6 +126,7 @@ impl Scene {
                 origin: [0.0; 3],
                 unit: 0.001,
             },
+            lamps: 0,
         });
         display.view(&self.view);
         display.pose(&self.pose);

@@ -5,8 +5,8 @@ use unframed_recon::heap::HeapStorage;
 use unframed_recon::rounded::{Bits, Deployed, Rounded};
 use unframed_recon::{Arith, Config, Display, Fixed};
 use unframed_wire::{
-    ColourEncoding, Hello, Layout, LogCode, Pose, Rect, Refresh, Tick, Tile, TileFields, View,
-    WorldFrame, WorldSample,
+    ColourEncoding, Hello, Layout, LogCode, Pose, Rect, Refresh, Shares, Tick, Tile, TileFields,
+    View, WorldFrame, WorldSample,
 };
 
 const SIZE: u16 = 64;
@@ -46,6 +46,7 @@ fn hello() -> Hello {
             origin: [0.0; 3],
             unit: 0.001,
         },
+        lamps: 0,
     }
 }
 
@@ -103,6 +104,7 @@ fn sample(rng: &mut Rng) -> WorldSample {
         place: place.map(|v| v.round() as i16),
         rgb: [level as u8, (level * 0.8) as u8, 255 - level as u8],
         object: u8::from(on_sphere),
+        shares: Shares::default(),
     }
 }
 

@@ -8,7 +8,7 @@ use unframed_recon::heap::HeapStorage;
 use unframed_recon::tiles::RESTS;
 use unframed_recon::{Config, Display, Fixed, Threads, frame_hash};
 use unframed_wire::{
-    Layout, LogCode, Rect, Refresh, ScreenSample, Tick, Tile, WorldFrame, WorldSample,
+    Layout, LogCode, Rect, Refresh, ScreenSample, Shares, Tick, Tile, WorldFrame, WorldSample,
 };
 
 const SIZE: u16 = 24;
@@ -233,6 +233,7 @@ fn threads_do_not_change_what_rests() {
                 place: [0; 3],
                 rgb: [1, 2, 3],
                 object: 0,
+                shares: Shares::default(),
             },
         );
         display.refresh(&show.refresh());

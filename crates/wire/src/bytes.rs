@@ -27,6 +27,11 @@ impl<'a> Cursor<'a> {
         self.take().map(u16::from_le_bytes)
     }
 
+    pub(crate) fn i16x3(&mut self) -> Option<[i16; 3]> {
+        let mut c = || self.take().map(i16::from_le_bytes);
+        Some([c()?, c()?, c()?])
+    }
+
     pub(crate) fn u32(&mut self) -> Option<u32> {
         self.take().map(u32::from_le_bytes)
     }

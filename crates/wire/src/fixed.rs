@@ -1,6 +1,7 @@
 //! Payloads of fixed layout: little endian, two's complement, no padding.
 
 use crate::bytes::{Buffer, Cursor};
+use crate::frame::MAX_PACKET;
 use crate::repr::*;
 use crate::{receiver::Damage, schema};
 
@@ -12,6 +13,12 @@ pub const MAX_INDEX_ENTRIES: usize = 150;
 
 const POSE_BYTES: usize = 50;
 const INDEX_BYTES: usize = 13;
+const LAMP_BYTES: usize = 17;
+
+/// Bytes of a Shape packet before its vertices, of a vertex and of a triangle.
+const SHAPE_HEAD: usize = 5;
+const VERTEX_BYTES: usize = 6;
+const TRIANGLE_BYTES: usize = 3;
 
 const FLAG_WORLD: u8 = 1;
 const FLAG_OBJECTS: u8 = 2;
@@ -52,6 +59,9 @@ pub(crate) fn hello_is_valid(hello: &Hello) -> bool {
         && (1..INFINITY).contains(&world.unit.to_bits())
         // Screen samples have no place for an object id.
         && !(hello.objects && hello.layout == Layout::Screen)
+        // Nor for shares.
+        && usize::from(hello.lamps) <= LAMPS
+        && !(hello.lamps > 0 && hello.layout == Layout::Screen)
 }
 
 pub(crate) fn put_hello(b: &mut Buffer, hello: &Hello) {
@@ -74,6 +84,7 @@ pub(crate) fn put_hello(b: &mut Buffer, hello: &Hello) {
     b.u32(hello.refresh_millihertz);
     hello.world.origin.into_iter().for_each(|c| b.f32(c));
     b.f32(hello.world.unit);
+    b.u8(hello.lamps);
 }
 
 pub(crate) fn get_hello(payload: &[u8]) -> Result<Hello, Damage> {
@@ -107,6 +118,7 @@ fn hello_body(mut c: Cursor<'_>) -> Option<Hello> {
         origin: [c.f32()?, c.f32()?, c.f32()?],
         unit: c.f32()?,
     };
+    let lamps = c.u8()?;
     c.end()?;
     let hello = Hello {
         width,
@@ -122,6 +134,7 @@ fn hello_body(mut c: Cursor<'_>) -> Option<Hello> {
         rate,
         refresh_millihertz,
         world,
+        lamps,
     };
     (flags < 4 && hello_is_valid(&hello)).then_some(hello)
 }
@@ -358,4 +371,179 @@ pub(crate) fn get_trailer(payload: &[u8]) -> Option<Trailer> {
     };
     c.end()?;
     Some(trailer)
+}
+
+pub(crate) fn put_lamp(b: &mut Buffer, lamp: &Lamp) {
+    b.u8(match lamp.kind {
+        LampKind::Point => 0,
+        LampKind::Directional => 1,
+    });
+    b.i32x3(lamp.place);
+    lamp.tint.into_iter().for_each(|t| b.u16(t));
+}
+
+fn get_lamp(c: &mut Cursor<'_>) -> Option<Lamp> {
+    let lamp = Lamp {
+        kind: match c.u8()? {
+            0 => LampKind::Point,
+            1 => LampKind::Directional,
+            _ => return None,
+        },
+        place: c.i32x3()?,
+        tint: [c.u16()?, c.u16()?],
+    };
+    lamp.is_valid().then_some(lamp)
+}
+
+/// The lamps of the stream at one instant, in the order of the samples' [`Shares`].
+#[derive(Clone, Debug)]
+pub struct Lamps<'a> {
+    time: Tick,
+    body: Cursor<'a>,
+}
+
+impl<'a> Lamps<'a> {
+    /// `None` unless they are the `count` ≥ 1 lamps that the Hello announced.
+    pub(crate) fn parse(payload: &'a [u8], count: u8) -> Option<Self> {
+        let mut body = Cursor(payload);
+        let time = Tick(body.u32()?);
+        let count = usize::from(count);
+        let lamps = Lamps { time, body };
+        let whole = count > 0 && lamps.body.0.len() == count * LAMP_BYTES;
+        (whole && lamps.clone().count() == count).then_some(lamps)
+    }
+
+    /// The instant at which the lamps are so.
+    #[must_use]
+    pub fn time(&self) -> Tick {
+        self.time
+    }
+
+    /// Lamps still to come, 1..=[`LAMPS`] at first.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.body.0.len() / LAMP_BYTES
+    }
+
+    /// Whether none is left.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.body.0.is_empty()
+    }
+}
+
+impl Iterator for Lamps<'_> {
+    type Item = Lamp;
+
+    fn next(&mut self) -> Option<Lamp> {
+        get_lamp(&mut self.body)
+    }
+}
+
+/// A part of the surface of an object that throws shadows; an iterator over its triangles, each
+/// three places in the object's lattice.
+///
+/// A shape does not change within a stream. Its parts are repeated for displays that join: one
+/// that has a part may ignore it.
+#[derive(Clone, Debug)]
+pub struct Shape<'a> {
+    object: u8,
+    part: u8,
+    parts: u16,
+    vertices: &'a [u8],
+    triangles: Cursor<'a>,
+}
+
+impl<'a> Shape<'a> {
+    pub(crate) fn parse(payload: &'a [u8]) -> Option<Self> {
+        let mut c = Cursor(payload);
+        let (object, part) = (c.u8()?, c.u8()?);
+        let mut count = || c.u8().map(|less_one| u16::from(less_one) + 1);
+        let (parts, vertices, triangles) = (count()?, count()?, count()?);
+        let vertices = c.slice(usize::from(vertices) * VERTEX_BYTES)?;
+        let corners = c.slice(usize::from(triangles) * TRIANGLE_BYTES)?;
+        c.end()?;
+        let named = shape_is_named(object, part, parts);
+        let inside = |&at: &u8| usize::from(at) < vertices.len() / VERTEX_BYTES;
+        (named && corners.iter().all(inside)).then_some(Shape {
+            object,
+            part,
+            parts,
+            vertices,
+            triangles: Cursor(corners),
+        })
+    }
+
+    /// Whether a part of so many vertices and triangles fits into a packet: 1..=256 of each, and
+    /// 5 + 6·`vertices` + 3·`triangles` bytes at most 2041.
+    #[must_use]
+    pub const fn fits(vertices: usize, triangles: usize) -> bool {
+        let counts = vertices >= 1 && vertices <= 256 && triangles >= 1 && triangles <= 256;
+        counts
+            && SHAPE_HEAD + vertices * VERTEX_BYTES + triangles * TRIANGLE_BYTES <= MAX_PACKET - 7
+    }
+
+    /// Whose shape it is, 1..=254.
+    #[must_use]
+    pub fn object(&self) -> u8 {
+        self.object
+    }
+
+    /// Which part of the shape, below [`Shape::parts`].
+    #[must_use]
+    pub fn part(&self) -> u8 {
+        self.part
+    }
+
+    /// How many parts the shape has, 1..=256.
+    #[must_use]
+    pub fn parts(&self) -> u16 {
+        self.parts
+    }
+
+    /// Triangles still to come, 1..=256 at first.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.triangles.0.len() / TRIANGLE_BYTES
+    }
+
+    /// Whether none is left.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.triangles.0.is_empty()
+    }
+
+    fn vertex(&self, at: u8) -> Option<[i16; 3]> {
+        let from = usize::from(at) * VERTEX_BYTES;
+        Cursor(self.vertices.get(from..)?).i16x3()
+    }
+}
+
+impl Iterator for Shape<'_> {
+    type Item = [[i16; 3]; 3];
+
+    fn next(&mut self) -> Option<[[i16; 3]; 3]> {
+        let [a, b, c] = self.triangles.take()?;
+        Some([self.vertex(a)?, self.vertex(b)?, self.vertex(c)?])
+    }
+}
+
+/// Whether an object that moves is named, and a part that the shape has.
+pub(crate) fn shape_is_named(object: u8, part: u8, parts: u16) -> bool {
+    (1..SKY).contains(&object) && (1..=256).contains(&parts) && u16::from(part) < parts
+}
+
+/// Writes the payload of a part that [`Shape::fits`].
+pub(crate) fn put_shape(
+    b: &mut Buffer,
+    [object, part]: [u8; 2],
+    parts: u16,
+    vertices: &[[i16; 3]],
+    triangles: &[[u8; 3]],
+) {
+    b.put(&[object, part, parts.wrapping_sub(1) as u8]);
+    b.put(&[vertices.len(), triangles.len()].map(|n| n.wrapping_sub(1) as u8));
+    let coordinates = vertices.as_flattened().iter();
+    coordinates.for_each(|q| b.put(&q.to_le_bytes()));
+    b.put(triangles.as_flattened());
 }

@@ -13,6 +13,8 @@ pub struct SampleBits {
     pub object: u64,
     /// Code parameters.
     pub parameters: u64,
+    /// Shares of the lamps.
+    pub shares: u64,
 }
 
 /// Bits in the payloads of Tiles packets, by what they say.
@@ -58,6 +60,7 @@ impl Ledger {
         self.sample_bits.colour += bits.colour;
         self.sample_bits.object += bits.object;
         self.sample_bits.parameters += bits.parameters;
+        self.sample_bits.shares += bits.shares;
     }
 
     pub(crate) fn add_tiles(&mut self, bits: TileBits) {

@@ -35,7 +35,9 @@ pub mod fault;
 #[cfg(feature = "std")]
 pub mod recording;
 
-pub use fixed::{IndexBlock, IndexEntry, IndexKind, MAX_INDEX_ENTRIES, MAX_POSES, Poses, Trailer};
+pub use fixed::{
+    IndexBlock, IndexEntry, IndexKind, Lamps, MAX_INDEX_ENTRIES, MAX_POSES, Poses, Shape, Trailer,
+};
 pub use frame::{MAX_FRAME, MAX_PACKET};
 pub use packet::{Kind, Packet};
 pub use receiver::{Counters, Damage, Receiver};

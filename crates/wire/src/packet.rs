@@ -1,6 +1,6 @@
 //! The kinds of packets and the view of one received packet.
 
-use crate::fixed::{self, IndexBlock, Poses, Trailer};
+use crate::fixed::{self, IndexBlock, Lamps, Poses, Shape, Trailer};
 use crate::receiver::Damage;
 use crate::repr::*;
 use crate::samples::{ScreenSamples, WorldSamples};
@@ -34,11 +34,15 @@ pub enum Kind {
     Index = 11,
     /// [`Packet::Trailer`]
     Trailer = 12,
+    /// [`Packet::Lamps`]
+    Lamps = 13,
+    /// [`Packet::Shape`]
+    Shape = 14,
 }
 
 impl Kind {
     /// All kinds, in the order of their type bytes from 1.
-    pub const ALL: [Kind; 12] = [
+    pub const ALL: [Kind; 14] = [
         Kind::Hello,
         Kind::View,
         Kind::Poses,
@@ -51,6 +55,8 @@ impl Kind {
         Kind::Status,
         Kind::Index,
         Kind::Trailer,
+        Kind::Lamps,
+        Kind::Shape,
     ];
 
     /// Position in [`Kind::ALL`].
@@ -75,6 +81,8 @@ impl Kind {
             Kind::Status => "status",
             Kind::Index => "index",
             Kind::Trailer => "trailer",
+            Kind::Lamps => "lamps",
+            Kind::Shape => "shape",
         }
     }
 
@@ -120,6 +128,10 @@ pub enum Packet<'a> {
     Index(IndexBlock<'a>),
     /// The end of an indexed recording.
     Trailer(Trailer),
+    /// The lamps at an instant.
+    Lamps(Lamps<'a>),
+    /// A part of the surface of an object that throws shadows.
+    Shape(Shape<'a>),
 }
 
 impl<'a> Packet<'a> {
@@ -139,6 +151,8 @@ impl<'a> Packet<'a> {
             Packet::Status(_) => Kind::Status,
             Packet::Index(_) => Kind::Index,
             Packet::Trailer(_) => Kind::Trailer,
+            Packet::Lamps(_) => Kind::Lamps,
+            Packet::Shape(_) => Kind::Shape,
         }
     }
 
@@ -154,7 +168,12 @@ impl<'a> Packet<'a> {
             Packet::Refresh(refresh) => Some(refresh.time),
             Packet::Cut(time) => Some(*time),
             Packet::End(end) => Some(end.time),
-            Packet::Hello(_) | Packet::Status(_) | Packet::Index(_) | Packet::Trailer(_) => None,
+            Packet::Lamps(lamps) => Some(lamps.time()),
+            Packet::Hello(_)
+            | Packet::Status(_)
+            | Packet::Index(_)
+            | Packet::Trailer(_)
+            | Packet::Shape(_) => None,
         }
     }
 
@@ -194,6 +213,8 @@ impl<'a> Packet<'a> {
             Kind::Status => Packet::Status(fixed::get_status(payload)?),
             Kind::Index => Packet::Index(IndexBlock::parse(payload)?),
             Kind::Trailer => Packet::Trailer(fixed::get_trailer(payload)?),
+            Kind::Lamps => Packet::Lamps(Lamps::parse(payload, hello?.lamps)?),
+            Kind::Shape => Packet::Shape(Shape::parse(payload)?),
         })
     }
 }

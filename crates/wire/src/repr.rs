@@ -13,6 +13,9 @@
 /// The object id of samples that hit nothing: places are directions, the pose follows the eye.
 pub const SKY: u8 = 255;
 
+/// The most lamps of whose light the samples of a stream tell the shares.
+pub const LAMPS: usize = 2;
+
 /// A time in microseconds modulo 2^32 (wraps after 71.6 minutes).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Tick(pub u32);
@@ -86,6 +89,9 @@ pub struct Hello {
     pub refresh_millihertz: u32,
     /// Where the world units lie.
     pub world: WorldFrame,
+    /// Of how many lamps samples tell the [`Shares`], 0..=[`LAMPS`]; 0 unless the layout is
+    /// [`Layout::World`].
+    pub lamps: u8,
 }
 
 /// The camera at an instant: maps world units to pixels.
@@ -120,6 +126,80 @@ pub struct Pose {
     pub translation: [i32; 3],
 }
 
+/// What kind of light a [`Lamp`] gives.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum LampKind {
+    /// From one point.
+    #[default]
+    Point,
+    /// Parallel, from infinitely far away.
+    Directional,
+}
+
+/// A lamp at an instant: where its shadows fall from, and the hue of what they take away.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Lamp {
+    /// What kind of light it gives.
+    pub kind: LampKind,
+    /// Of a point lamp its place in world units, each within ±2^29; of a directional one the
+    /// direction *towards* the light times 2^30, each within ±2^30 and not all zero.
+    pub place: [i32; 3],
+    /// By how much more of red and of blue than of green it brings, compared with all other
+    /// light of the scene: 8 fractional bits, 1 or more.
+    pub tint: [u16; 2],
+}
+
+impl Lamp {
+    /// Largest distance of a point lamp from the origin along an axis, world units.
+    pub const MAX_PLACE: i32 = 1 << 29;
+
+    /// What stands for 1 in a direction.
+    pub const UNIT: i32 = 1 << 30;
+
+    /// Whether every field is in the range that its documentation states.
+    #[must_use]
+    pub fn is_valid(&self) -> bool {
+        let within = |edge: i32| self.place.iter().all(|c| (-edge..=edge).contains(c));
+        let placed = match self.kind {
+            LampKind::Point => within(Self::MAX_PLACE),
+            LampKind::Directional => within(Self::UNIT) && self.place != [0; 3],
+        };
+        placed && !self.tint.contains(&0)
+    }
+}
+
+/// How much of a sample's light comes from each lamp, in a code of 4 bits each: lamp `l` in bits
+/// `4l..4l + 4`.
+///
+/// Code `c` says that without the lamp the sample would have `((15 − c)/15)²` of its light (0:
+/// the lamp brings nothing; 15: it brings all), which are steps that look alike. The sample shows
+/// its surface as if no other moving object stood before the lamps: a display that knows where
+/// they stand takes the light away itself. Codes of lamps that the stream does not have are 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Shares(pub u8);
+
+impl Shares {
+    /// The largest code.
+    pub const MAX: u8 = 15;
+
+    /// The codes of all lamps; of each its low 4 bits.
+    #[must_use]
+    pub const fn new(codes: [u8; LAMPS]) -> Self {
+        let [first, second] = codes;
+        Shares((first & Self::MAX) | (second & Self::MAX) << 4)
+    }
+
+    /// The code of a lamp, 0..=15; 0 of a lamp beyond [`LAMPS`].
+    #[must_use]
+    pub const fn code(self, lamp: usize) -> u8 {
+        if lamp < LAMPS {
+            self.0 >> (4 * lamp) & Self::MAX
+        } else {
+            0
+        }
+    }
+}
+
 /// A sample that can be reprojected.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct WorldSample {
@@ -129,6 +209,8 @@ pub struct WorldSample {
     pub rgb: [u8; 3],
     /// Object id; 0 the static world, [`SKY`] the sky.
     pub object: u8,
+    /// What the lamps bring of its light.
+    pub shares: Shares,
 }
 
 /// A sample on the screen.

@@ -3,7 +3,7 @@
 use core::fmt;
 
 use crate::bytes::Buffer;
-use crate::fixed::{self, IndexEntry, MAX_INDEX_ENTRIES, MAX_POSES, Trailer};
+use crate::fixed::{self, IndexEntry, MAX_INDEX_ENTRIES, MAX_POSES, Shape, Trailer};
 use crate::frame::{self, MAX_FRAME, MAX_PACKET};
 use crate::ledger::Ledger;
 use crate::packet::Kind;
@@ -20,11 +20,14 @@ pub enum EncodeError {
     Layout,
     /// The stream's Hello announces no objects, and a sample has one.
     Objects,
+    /// A sample has a share of a lamp that the stream's Hello does not announce.
+    Shares,
     /// The nodes are not one whole preorder tree, or they split a single pixel.
     Tree,
     /// A leaf's rectangle is not the one that the splits lead to.
     LeafRect,
-    /// One tile or packet does not fit [`MAX_PACKET`]; cannot happen with the limits above.
+    /// One tile or packet does not fit [`MAX_PACKET`]; with the limits above that happens to
+    /// shapes only, see [`Shape::fits`].
     TooLong,
 }
 
@@ -34,6 +37,7 @@ impl fmt::Display for EncodeError {
             EncodeError::Range(kind) => write!(f, "{} packet: a field out of range", kind.name()),
             EncodeError::Layout => f.write_str("samples of a layout that the Hello does not name"),
             EncodeError::Objects => f.write_str("object ids in a stream without objects"),
+            EncodeError::Shares => f.write_str("shares of lamps that the Hello does not name"),
             EncodeError::Tree => f.write_str("tile nodes are not one whole tree"),
             EncodeError::LeafRect => f.write_str("a tile's rectangle does not follow its splits"),
             EncodeError::TooLong => f.write_str("packet too long"),
@@ -189,7 +193,8 @@ impl Writer {
     /// Samples with lattice places that share one instant, in as many packets as it takes.
     ///
     /// # Errors
-    /// [`EncodeError::Layout`] unless the Hello said [`Layout::World`]; [`EncodeError::Objects`].
+    /// [`EncodeError::Layout`] unless the Hello said [`Layout::World`]; [`EncodeError::Objects`];
+    /// [`EncodeError::Shares`].
     pub fn world_samples(
         &mut self,
         time: Tick,
@@ -200,6 +205,10 @@ impl Writer {
         let hello = hello.ok_or(EncodeError::Layout)?;
         if !hello.objects && samples.iter().any(|s| s.object != 0) {
             return Err(EncodeError::Objects);
+        }
+        let beyond = |s: &WorldSample| u32::from(s.shares.0) >> (4 * u32::from(hello.lamps));
+        if samples.iter().any(|s| beyond(s) != 0) {
+            return Err(EncodeError::Shares);
         }
         let mut rest = samples;
         while !rest.is_empty() {
@@ -246,6 +255,64 @@ impl Writer {
             self.ledger.add_samples(part.len(), bits);
         }
         Ok(())
+    }
+
+    /// The lamps at an instant, as many as the Hello announces, in the order of the samples'
+    /// [`Shares`].
+    ///
+    /// # Errors
+    /// [`EncodeError::Layout`] before the first Hello; [`EncodeError::Range`] if their number is
+    /// not that of the Hello, or 0, or a lamp is out of range.
+    pub fn lamps(
+        &mut self,
+        time: Tick,
+        lamps: &[Lamp],
+        sink: &mut impl FnMut(&[u8]),
+    ) -> Result<(), EncodeError> {
+        let hello = self.hello.ok_or(EncodeError::Layout)?;
+        let announced = !lamps.is_empty() && lamps.len() == usize::from(hello.lamps);
+        if !announced || !lamps.iter().all(Lamp::is_valid) {
+            return Err(EncodeError::Range(Kind::Lamps));
+        }
+        self.begin(Kind::Lamps);
+        self.packet.u32(time.0);
+        lamps
+            .iter()
+            .for_each(|lamp| fixed::put_lamp(&mut self.packet, lamp));
+        self.send(Kind::Lamps, sink)
+    }
+
+    /// Part `part` of the `parts` (1..=256) of an object's shape: vertices in the object's
+    /// lattice, and triangles, each three indices of vertices. Repeat it now and then; it must
+    /// not change within a stream.
+    ///
+    /// # Errors
+    /// [`EncodeError::Range`] if the object does not move (0, [`SKY`]), `part` is not below
+    /// `parts`, an index names no vertex, or there are none or more than 256 of vertices or
+    /// triangles; [`EncodeError::TooLong`] unless [`Shape::fits`].
+    pub fn shape(
+        &mut self,
+        object: u8,
+        part: u8,
+        parts: u16,
+        vertices: &[[i16; 3]],
+        triangles: &[[u8; 3]],
+        sink: &mut impl FnMut(&[u8]),
+    ) -> Result<(), EncodeError> {
+        let mut corners = triangles.as_flattened().iter();
+        let indexed = corners.all(|&at| usize::from(at) < vertices.len());
+        let counted = [vertices.len(), triangles.len()]
+            .iter()
+            .all(|n| (1..=256).contains(n));
+        if !fixed::shape_is_named(object, part, parts) || !indexed || !counted {
+            return Err(EncodeError::Range(Kind::Shape));
+        }
+        if !Shape::fits(vertices.len(), triangles.len()) {
+            return Err(EncodeError::TooLong);
+        }
+        self.begin(Kind::Shape);
+        fixed::put_shape(&mut self.packet, [object, part], parts, vertices, triangles);
+        self.send(Kind::Shape, sink)
     }
 
     /// Asks for a picture of an instant.

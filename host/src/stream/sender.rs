@@ -3,8 +3,8 @@
 use std::fmt;
 
 use unframed_wire::{
-    ColourEncoding, EncodeError, End, Hello, Layout, Pose, Rect, Refresh, SKY, ScreenSample, Tick,
-    TileFields, TileNode, WorldSample, Writer, ledger::Ledger,
+    ColourEncoding, EncodeError, End, Hello, Layout, Pose, Rect, Refresh, SKY, ScreenSample,
+    Shares, Tick, TileFields, TileNode, WorldSample, Writer, ledger::Ledger,
 };
 
 use super::{Detail, Quantiser};
@@ -89,6 +89,7 @@ impl Sender {
             rate: promise.rate,
             refresh_millihertz: promise.refresh_millihertz,
             world: quantiser.frame(),
+            lamps: 0,
         };
         Self {
             writer: Writer::new(),
@@ -145,6 +146,7 @@ impl Sender {
                         place: quantiser.place(shot.hit.object, shot.hit.local),
                         rgb: detail.colour(srgb::encode8(shot.hit.colour)),
                         object: shot.hit.object,
+                        shares: Shares::default(),
                     }));
                 self.writer.world_samples(time, &self.world_samples, sink)?;
             }

@@ -184,7 +184,12 @@ impl<'g> GpuDisplay<'g> {
                 self.refresh(&refresh)?;
                 return Ok(Some(refresh));
             }
-            Packet::End(_) | Packet::Status(_) | Packet::Index(_) | Packet::Trailer(_) => {}
+            Packet::End(_)
+            | Packet::Status(_)
+            | Packet::Index(_)
+            | Packet::Trailer(_)
+            | Packet::Lamps(_)
+            | Packet::Shape(_) => {}
         }
         Ok(None)
     }

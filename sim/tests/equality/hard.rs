@@ -9,7 +9,7 @@ use unframed_recon::Config;
 use unframed_recon::config::{Extents, Fit, Light, TimeKernel};
 use unframed_sim::GpuPlayer;
 use unframed_sim::twin::Tables;
-use unframed_wire::{Layout, Tick, View, WorldSample};
+use unframed_wire::{Layout, Shares, Tick, View, WorldSample};
 
 /// Panels down to one pixel, of odd sizes, wider than high and higher than wide; one where a
 /// coordinate of the guard band's far edge wraps in 16 bits (496 + 16 is a power of two).
@@ -212,6 +212,7 @@ fn every_age_is_equal() {
             place: [2000 * k as i16 - 3000, 0, 20_000],
             rgb: [60 * k as u8, 200, 50],
             object: 0,
+            shares: Shares::default(),
         };
         stream.cut(now);
         stream.same_sample(3, now.wrapping_sub_signed(age), sample);
@@ -246,6 +247,7 @@ fn a_heap_of_samples_on_one_pixel_is_equal() {
         place: [300, -200, 20_000],
         rgb: [255, 254, 1],
         object: 0,
+        shares: Shares::default(),
     };
     stream.same_sample(samples, 1000, sample);
     stream.refresh(1000, 0);

@@ -2,8 +2,8 @@
 
 use unframed_wire::tiles::split;
 use unframed_wire::{
-    Axis, ColourEncoding, Hello, Layout, LogCode, Pose, Rect, Refresh, SKY, ScreenSample, Tick,
-    Tile, TileFields, TileNode, View, WorldFrame, WorldSample, Writer,
+    Axis, ColourEncoding, Hello, Layout, LogCode, Pose, Rect, Refresh, SKY, ScreenSample, Shares,
+    Tick, Tile, TileFields, TileNode, View, WorldFrame, WorldSample, Writer,
 };
 
 /// The splitmix64 generator: seeded test data.
@@ -71,6 +71,7 @@ impl Stream {
                 origin: [0.0; 3],
                 unit: 0.001,
             },
+            lamps: 0,
         };
         let sink = &mut |frame: &[u8]| self.bytes.extend_from_slice(frame);
         self.writer.hello(&hello, sink).expect("a sound hello");
@@ -258,6 +259,7 @@ fn world(rng: &mut Rng) -> WorldSample {
         place,
         rgb: [level, level / 2 + 20 * (object % 4), 255 - level],
         object,
+        shares: Shares::default(),
     }
 }
 

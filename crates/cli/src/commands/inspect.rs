@@ -86,6 +86,7 @@ fn as_json(summary: &Summary) -> serde_json::Value {
         "version": summary.version,
         "size": [hello.width, hello.height],
         "layout": format!("{:?}", hello.layout).to_lowercase(),
+        "lamps": hello.lamps,
         "rate": hello.rate,
         "refresh_hz": f64::from(hello.refresh_millihertz) / 1000.0,
         "packets": {
@@ -97,6 +98,8 @@ fn as_json(summary: &Summary) -> serde_json::Value {
             "refresh": summary.packets_of(Kind::Refresh),
             "cut": summary.packets_of(Kind::Cut),
             "end": summary.packets_of(Kind::End),
+            "lamps": summary.packets_of(Kind::Lamps),
+            "shape": summary.packets_of(Kind::Shape),
         },
         "samples": summary.samples,
         "bytes": summary.bytes,

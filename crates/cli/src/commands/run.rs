@@ -173,6 +173,7 @@ fn ledger(outcome: &Outcome) -> Value {
             "colour": bits.colour,
             "object": bits.object,
             "parameters": bits.parameters,
+            "shares": bits.shares,
         },
         "cuts": outcome.cuts,
     })

@@ -4,8 +4,8 @@
 use unframed_recon::display::Display;
 use unframed_recon::{Arith, Workers};
 use unframed_wire::{
-    ColourEncoding, Hello, Layout, LogCode, Pose, Rect, Refresh, SKY, Tick, Tile, TileFields, View,
-    WorldFrame, WorldSample,
+    ColourEncoding, Hello, Layout, LogCode, Pose, Rect, Refresh, SKY, Shares, Tick, Tile,
+    TileFields, View, WorldFrame, WorldSample,
 };
 
 /// Moving spheres.
@@ -53,6 +53,7 @@ pub(crate) fn hello(size: u16) -> Hello {
             origin: [0.0; 3],
             unit: 0.001,
         },
+        lamps: 0,
     }
 }
 
@@ -140,6 +141,7 @@ pub(crate) fn sample(rng: &mut Rng) -> WorldSample {
         place,
         rgb: [level, level / 2 + 20 * (object % 4), 255 - level],
         object,
+        shares: Shares::default(),
     }
 }
 

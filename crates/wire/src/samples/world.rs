@@ -170,6 +170,7 @@ impl<'a> WorldSamples<'a> {
             place,
             rgb: self.rgb,
             object: self.object,
+            shares: Shares::default(),
         })
     }
 }

@@ -17,6 +17,9 @@ pub(crate) enum Owned {
     Status(Status),
     Index(Vec<IndexEntry>),
     Trailer(Trailer),
+    Lamps(Tick, Vec<Lamp>),
+    /// Object, part, parts, triangles.
+    Shape(u8, u8, u16, Vec<[[i16; 3]; 3]>),
 }
 
 impl From<Packet<'_>> for Owned {
@@ -34,6 +37,8 @@ impl From<Packet<'_>> for Owned {
             Packet::Status(p) => Owned::Status(p),
             Packet::Index(p) => Owned::Index(p.collect()),
             Packet::Trailer(p) => Owned::Trailer(p),
+            Packet::Lamps(p) => Owned::Lamps(p.time(), p.collect()),
+            Packet::Shape(p) => Owned::Shape(p.object(), p.part(), p.parts(), p.collect()),
         }
     }
 }
@@ -69,6 +74,7 @@ pub(crate) fn hello(layout: Layout, objects: bool) -> Hello {
             origin: [0.5, -1.0, 2.0],
             unit: 1.0 / 65536.0,
         },
+        lamps: 0,
     }
 }
 

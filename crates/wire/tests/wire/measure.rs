@@ -24,7 +24,8 @@ fn bytes_per_sample(layout: Layout, n: usize, tilt: f64, crosshairs: bool) -> f6
     let total = ledger.total_bytes() as f64;
     let per = |bits: u64| bits as f64 / ledger.samples as f64;
     let b = ledger.sample_bits;
-    let overhead = 8 * ledger.total_bytes() - b.place - b.colour - b.object - b.parameters;
+    let overhead =
+        8 * ledger.total_bytes() - b.place - b.colour - b.object - b.parameters - b.shares;
     println!(
         "{layout:?} n {n:3} tilt {tilt:.1} crosshairs {crosshairs:5}: {:.2} bytes; bits: place {:.2} \
          colour {:.2} object {:.2} parameters {:.2} overhead {:.2}",

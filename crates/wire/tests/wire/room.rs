@@ -1,7 +1,7 @@
 //! A ray-cast room with textured walls, spheres and boxes: realistic places and colours for
 //! measuring the codec. Analytic, so that it needs no scene files.
 
-use unframed_wire::{ScreenSample, WorldSample};
+use unframed_wire::{ScreenSample, Shares, WorldSample};
 
 /// SplitMix64 (Steele, Lea, Flood, OOPSLA 2014).
 #[derive(Clone, Debug)]
@@ -194,6 +194,7 @@ pub(crate) fn shoot(x: f64, y: f64, time: f64, tilt: f64) -> (WorldSample, Scree
         place,
         rgb,
         object: hit.object,
+        shares: Shares::default(),
     };
     (
         world,

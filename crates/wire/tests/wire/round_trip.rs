@@ -26,6 +26,7 @@ prop_compose! {
             encoding: ColourEncoding::Srgb8,
             rate, refresh_millihertz,
             world: WorldFrame { origin: origin.map(finite), unit: finite(unit).abs().max(1e-30) },
+            lamps: 0,
         }
     }
 }
@@ -48,8 +49,14 @@ fn world_sample() -> impl Strategy<Value = WorldSample> {
     let place = [coordinate.clone(), coordinate.clone(), coordinate];
     let channel = prop_oneof![any::<u8>(), 100u8..104];
     let rgb = [channel.clone(), channel.clone(), channel];
-    (place, rgb, prop_oneof![Just(0u8), Just(SKY), any::<u8>()])
-        .prop_map(|(place, rgb, object)| WorldSample { place, rgb, object })
+    (place, rgb, prop_oneof![Just(0u8), Just(SKY), any::<u8>()]).prop_map(|(place, rgb, object)| {
+        WorldSample {
+            place,
+            rgb,
+            object,
+            shares: Shares::default(),
+        }
+    })
 }
 
 fn sorted_world(mut v: Vec<WorldSample>) -> Vec<WorldSample> {

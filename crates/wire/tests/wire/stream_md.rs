@@ -73,21 +73,25 @@ fn examples() -> Vec<(&'static str, Vec<u8>, Owned)> {
             place: [100, -200, 300],
             rgb: [200, 100, 50],
             object: 0,
+            shares: Shares::default(),
         },
         WorldSample {
             place: [104, -200, 301],
             rgb: [202, 103, 50],
             object: 0,
+            shares: Shares::default(),
         },
         WorldSample {
             place: [1100, -200, 2301],
             rgb: [190, 97, 40],
             object: 0,
+            shares: Shares::default(),
         },
         WorldSample {
             place: [-1, 0, 1],
             rgb: [10, 20, 30],
             object: 1,
+            shares: Shares::default(),
         },
     ];
     // In sorted order too.
