@@ -46,6 +46,7 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
                 tiles: &self.tiles,
                 slots: self.slots,
                 lifetimes: &[],
+                lights: &self.lights,
                 now,
             };
             let age = instant.age(sample.time)?;

@@ -1,6 +1,6 @@
 //! The deep buffer: the newest N samples in a ring.
 
-use unframed_wire::Tick;
+use unframed_wire::{Shares, Tick};
 
 /// How [`Stored::place`] is to be read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -29,6 +29,8 @@ pub struct Stored {
     pub slot: u8,
     /// How `place` is to be read.
     pub placing: Placing,
+    /// What lamps bring of its light, see [`crate::light`].
+    pub shares: Shares,
 }
 
 const _: () = assert!(core::mem::size_of::<Stored>() == 16);
@@ -41,6 +43,7 @@ impl Stored {
         rgb: [0; 3],
         slot: 0,
         placing: Placing::Empty,
+        shares: Shares(0),
     };
 }
 

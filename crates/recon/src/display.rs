@@ -7,6 +7,7 @@ use crate::arith::{Arith, Moments, Panel, Projected, Sums};
 use crate::config::{Config, Mode};
 use crate::deep::{DeepBuffer, Placing, Stored, slot};
 use crate::fill;
+use crate::light::Lights;
 use crate::memory::{Calls, Memory, Needs, SetupError, Slot};
 use crate::motion::{Motion, Reach};
 use crate::rest::{self, Mean, Rest, Step};
@@ -14,7 +15,8 @@ use crate::tiles::TileMap;
 use crate::transform::{pose_is_sound, view_is_sound};
 use crate::workers::{Alone, Workers};
 use unframed_wire::{
-    Hello, Layout, Packet, Pose, Refresh, ScreenSample, Tick, Tile, View, WorldSample,
+    Hello, Lamp, Layout, Packet, Pose, Refresh, ScreenSample, Shape, Shares, Tick, Tile, View,
+    WorldSample,
 };
 
 /// Stands in before the first View: nothing can be placed then.
@@ -67,6 +69,7 @@ pub struct Display<'a, A: Arith, W: Workers = Alone> {
     pub(crate) means: &'a mut [Mean],
     pub(crate) slots: &'a mut [Slot<A>],
     pub(crate) picture: &'a mut [[u8; 3]],
+    pub(crate) lights: Lights<'a>,
     hello: Option<Hello>,
     view: Option<View>,
     composed: bool,
@@ -139,6 +142,7 @@ impl<'a, A: Arith, W: Workers> Display<'a, A, W> {
             means: first(memory.means, calls.means),
             slots: memory.slots,
             picture: first(memory.picture, pixels),
+            lights: Lights::new(memory.light),
             hello: None,
             view: None,
             composed: false,
@@ -194,17 +198,18 @@ impl<'a, A: Arith, W: Workers> Display<'a, A, W> {
                 let time = samples.time();
                 samples.for_each(|sample| self.screen_sample(time, &sample));
             }
+            Packet::Lamps(lamps) => {
+                for (index, lamp) in lamps.enumerate() {
+                    self.lamp(index, &lamp);
+                }
+            }
+            Packet::Shape(shape) => self.shape(&shape),
             Packet::Cut(_) => self.cut(),
             Packet::Refresh(refresh) => {
                 self.refresh(&refresh);
                 return Some(refresh);
             }
-            Packet::End(_)
-            | Packet::Status(_)
-            | Packet::Index(_)
-            | Packet::Trailer(_)
-            | Packet::Lamps(_)
-            | Packet::Shape(_) => {}
+            Packet::End(_) | Packet::Status(_) | Packet::Index(_) | Packet::Trailer(_) => {}
         }
         None
     }
@@ -219,6 +224,7 @@ impl<'a, A: Arith, W: Workers> Display<'a, A, W> {
             self.cut();
             self.tiles.clear();
             self.slots.fill(Slot::default());
+            self.lights.clear();
             self.view = None;
         }
         self.hello = Some(*hello);
@@ -248,6 +254,16 @@ impl<'a, A: Arith, W: Workers> Display<'a, A, W> {
         }
     }
 
+    /// Takes a lamp, the one of that number of the stream's.
+    pub fn lamp(&mut self, index: usize, lamp: &Lamp) {
+        self.counts.refused += u64::from(!self.lights.lamp(index, lamp));
+    }
+
+    /// Takes a part of the shape of an object that throws shadows.
+    pub fn shape(&mut self, shape: &Shape<'_>) {
+        self.counts.refused += u64::from(!self.lights.shape(shape));
+    }
+
     /// Takes a tile.
     pub fn tile(&mut self, tile: &Tile) {
         self.tiles.set(tile);
@@ -272,6 +288,7 @@ impl<'a, A: Arith, W: Workers> Display<'a, A, W> {
             rgb: sample.rgb,
             slot: slot(sample.object),
             placing: Placing::Lattice,
+            shares: sample.shares,
         };
         if self.config.mode == Mode::SpaceTime && self.config.reproject {
             if usize::from(stored.slot) < self.slots.len() {
@@ -337,6 +354,7 @@ impl<'a, A: Arith, W: Workers> Display<'a, A, W> {
             rgb: sample.rgb,
             slot: 0,
             placing: Placing::Screen,
+            shares: Shares::default(),
         });
     }
 
@@ -361,6 +379,7 @@ impl<'a, A: Arith, W: Workers> Display<'a, A, W> {
             return;
         }
         self.compose();
+        self.lights.prepare(self.slots);
         let step = self.step(refresh.time);
         if let Some(view) = &self.view {
             self.motion.refresh(refresh.time, view, self.slots);

@@ -63,7 +63,8 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
                 && let Some(pixel) = self.panel.inside(x, y)
                 && let Some(mean) = self.means.get_mut(pixel)
             {
-                mean.add(sample.rgb.map(|code| light[usize::from(code)]));
+                let rgb = self.lights.relight(sample);
+                mean.add(rgb.map(|code| light[usize::from(code)]));
                 if shows
                     && let Some(texel) = self.texels.get(pixel)
                     && let Some(shown) = self.picture.get_mut(pixel)

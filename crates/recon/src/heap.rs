@@ -2,12 +2,14 @@
 
 use crate::arith::{Arith, Moments, Projected, Sums, Texel};
 use crate::deep::Stored;
+use crate::light::{self, facets::Facet, toward::Toward};
 use crate::memory::{Memory, Needs, Slot};
 use crate::rest::Mean;
 use crate::tiles::Cell;
 use crate::workers::MAX_PARTS;
 use alloc::vec;
 use alloc::vec::Vec;
+use unframed_wire::LAMPS;
 
 /// The storage of a display of any size.
 #[derive(Debug)]
@@ -29,6 +31,9 @@ pub struct HeapStorage<A: Arith> {
     cells: Vec<Cell>,
     slots: Vec<Slot<A>>,
     picture: Vec<[u8; 3]>,
+    facets: Vec<Facet>,
+    towards: Vec<[Toward; LAMPS]>,
+    shadows: Vec<u16>,
 }
 
 impl<A: Arith> HeapStorage<A> {
@@ -54,6 +59,9 @@ impl<A: Arith> HeapStorage<A> {
             cells: vec![Cell::default(); needs.cells],
             slots: vec![Slot::default(); 256],
             picture: vec![[0; 3]; needs.pixels],
+            facets: vec![Facet::EMPTY; light::FACETS],
+            towards: vec![[Toward::ZERO; LAMPS]; 256],
+            shadows: vec![0; light::TEXELS],
         }
     }
 
@@ -77,6 +85,11 @@ impl<A: Arith> HeapStorage<A> {
             cells: &mut self.cells,
             slots: &mut self.slots,
             picture: &mut self.picture,
+            light: light::Memory {
+                facets: &mut self.facets,
+                towards: &mut self.towards,
+                texels: &mut self.shadows,
+            },
         }
     }
 }

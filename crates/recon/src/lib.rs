@@ -43,6 +43,7 @@ pub mod glance;
 pub mod heap;
 pub mod hidden;
 pub mod lanes;
+pub mod light;
 pub mod memory;
 pub mod motion;
 pub mod num;

@@ -23,6 +23,7 @@ use crate::config::{Config, Extents};
 use crate::deep::Stored;
 use crate::fill::pyramid_len;
 use crate::hidden::minima_len;
+use crate::light;
 use crate::motion::Past;
 use crate::own;
 use crate::rest::Mean;
@@ -155,6 +156,8 @@ pub struct Memory<'a, A: Arith> {
     pub slots: &'a mut [Slot<A>],
     /// See [`Needs::pixels`].
     pub picture: &'a mut [[u8; 3]],
+    /// For lamps, or empty: then samples are shown as they come.
+    pub light: light::Memory<'a>,
 }
 
 /// Why a display could not be set up.
@@ -310,6 +313,7 @@ impl<
             cells: &mut self.cells,
             slots: &mut self.slots,
             picture: &mut self.picture,
+            light: light::Memory::default(),
         }
     }
 }

@@ -73,7 +73,10 @@ fn add_block<A: Arith>(
             && let Some(sums) = sums.get_mut(*own)
         {
             let weight = A::decline(kernel, cutoff, age, *lifetime);
-            let light = sample.rgb.map(|code| A::light(light[usize::from(code)]));
+            let light = instant
+                .lights
+                .relight(sample)
+                .map(|code| A::light(light[usize::from(code)]));
             let features = A::features(panel, light, Default::default(), (0, 0));
             A::add(sums, A::factor(weight), &features);
         }

@@ -68,6 +68,7 @@ impl<A: Arith, W: Workers> Display<'_, A, W> {
             tiles: &self.tiles,
             slots: self.slots,
             lifetimes,
+            lights: &self.lights,
             now,
         };
         let stored = self.deep.samples_mut();

@@ -6,6 +6,7 @@ use crate::config::{Config, Lifetime};
 use crate::deep::{Placing, Stored, age, slot};
 use crate::extents;
 use crate::lanes::{Pixel, UNROLLS};
+use crate::light::Lights;
 use crate::memory::Slot;
 use crate::motion::Past;
 use crate::tiles::TileMap;
@@ -26,6 +27,8 @@ pub struct Instant<'a, A: Arith> {
     /// Those in the middles of all pixels, where tiles give them; empty to have them found one by
     /// one.
     pub lifetimes: &'a [A::Log],
+    /// Lamps.
+    pub lights: &'a Lights<'a>,
     /// The time.
     pub now: Tick,
 }
@@ -257,12 +260,17 @@ impl<A: Arith> Instant<'_, A> {
             Lifetime::Tiles => self.lifetime(pixel),
             Lifetime::Gradient => A::extents(self.tiles, &self.panel, x, y).0,
         };
+        let weight = self.decline(age.log, lifetime);
         Projected {
             x,
             y,
             depth,
-            weight: self.decline(age.log, lifetime),
-            rgb: sample.rgb,
+            weight,
+            rgb: if A::counts(weight) {
+                self.lights.relight(sample)
+            } else {
+                sample.rgb
+            },
             // A sample of a moving object may itself have moved behind something.
             past: age.past.moving(sample.slot > slot(0)),
         }

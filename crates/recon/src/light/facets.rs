@@ -5,8 +5,19 @@ use unframed_wire::Shape;
 
 /// Objects that may throw shadows.
 pub const CASTERS: usize = 16;
-/// Parts of a shape.
-pub const PARTS: u8 = 32;
+/// Parts that a shape may have.
+pub const PARTS: u16 = u32::BITS as u16;
+
+/// What became of a part of a shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Taken {
+    /// It was not known before.
+    New,
+    /// It was.
+    Known,
+    /// There is no room for it.
+    NoRoom,
+}
 
 /// A triangle of an object: 20 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -81,46 +92,36 @@ impl<'a> Facets<'a> {
         casters.into_iter().any(|caster| caster.slot == slot)
     }
 
-    /// Takes a part of a shape. False where it is known, or there is no room for all of it.
-    pub fn take(&mut self, shape: &Shape<'_>) -> bool {
+    /// Takes a part of a shape.
+    pub fn take(&mut self, shape: &Shape<'_>) -> Taken {
         let slot = slot_of(shape);
-        if shape.part() >= PARTS {
-            return false;
-        }
         let known = self.casters.iter().take(self.count);
-        let caster = match known.clone().position(|caster| caster.slot == slot) {
-            Some(caster) => caster,
-            None => self.count,
+        let caster = known.clone().position(|caster| caster.slot == slot);
+        let caster = caster.unwrap_or(self.count);
+        let part = 1u32.checked_shl(shape.part().into());
+        let (Some(entry), Some(part)) = (self.casters.get_mut(caster), part) else {
+            return Taken::NoRoom;
         };
-        let Some(entry) = self.casters.get_mut(caster) else {
-            return false;
-        };
-        let part = 1 << shape.part();
-        let mut entry_now = if caster == self.count {
-            Caster { slot, parts: 0 }
-        } else {
-            *entry
-        };
+        if caster == self.count {
+            *entry = Caster { slot, parts: 0 };
+        }
+        if entry.parts & part != 0 {
+            return Taken::Known;
+        }
         let room = self.facets.get_mut(self.len..).unwrap_or(&mut []);
-        let mut len = 0;
-        for corners in shape.triangles() {
-            let Some(facet) = room.get_mut(len) else {
-                return false;
-            };
+        let Some(room) = room.get_mut(..shape.len()) else {
+            return Taken::NoRoom;
+        };
+        for (facet, corners) in room.iter_mut().zip(shape.clone()) {
             *facet = Facet {
                 corners,
                 slot,
                 caster: caster as u8,
             };
-            len += 1;
         }
-        if entry_now.parts & part != 0 {
-            return false;
-        }
-        entry_now.parts |= part;
-        *entry = entry_now;
+        entry.parts |= part;
+        self.len += room.len();
         self.count = self.count.max(caster + 1);
-        self.len += len;
-        true
+        Taken::New
     }
 }

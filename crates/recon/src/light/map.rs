@@ -131,7 +131,9 @@ impl<'a> Maps<'a> {
             if let Some(kind) = kind {
                 let mut extents = [[NOWHERE; CASTERS]; FACES];
                 each(lamp, *kind, facets, towards, |face, facet, corners| {
-                    let extent = extents.get_mut(face).and_then(|e| e.get_mut(usize::from(facet.caster)));
+                    let extent = extents
+                        .get_mut(face)
+                        .and_then(|e| e.get_mut(usize::from(facet.caster)));
                     if let Some(extent) = extent {
                         widen(*kind, extent, corners);
                     }
@@ -236,7 +238,9 @@ fn each(
         LampKind::Directional => 1,
     };
     for facet in facets {
-        let toward = towards.get(usize::from(facet.slot)).and_then(|t| t.get(lamp));
+        let toward = towards
+            .get(usize::from(facet.slot))
+            .and_then(|t| t.get(lamp));
         let Some(toward) = toward else { continue };
         let places = facet.corners.map(|corner| toward.place(corner));
         for face in 0..faces {
@@ -322,7 +326,10 @@ fn triangle(kind: LampKind, window: &Window, corners: &[[i32; 3]; 3], texels: &m
         LampKind::Directional => [x, y, FACE],
     });
     // To so many bits that products of three fit.
-    let largest = corners.as_flattened().iter().fold(1, |most, v| v.unsigned_abs().max(most));
+    let largest = corners
+        .as_flattened()
+        .iter()
+        .fold(1, |most, v| v.unsigned_abs().max(most));
     let down = (32 - CORNER_BITS).saturating_sub(largest.leading_zeros());
     let [a, b, c] = corners.map(|corner| corner.map(|v| i64::from(v >> down)));
     let mut edges = [cross(b, c), cross(c, a), cross(a, b)];
@@ -344,9 +351,8 @@ fn triangle(kind: LampKind, window: &Window, corners: &[[i32; 3]; 3], texels: &m
     for row in rows {
         let t = low + i64::from(row) * step;
         // Each edge as along·column + from ≥ 0.
-        let lines = edges.map(|[ex, ey, ez]| {
-            (ex * step, ex * left + ey * t + ez * i64::from(FACE))
-        });
+        let lines =
+            edges.map(|[ex, ey, ez]| (ex * step, ex * left + ey * t + ez * i64::from(FACE)));
         let (mut start, mut end) = (0, width as i64);
         for (along, from) in lines {
             if along > 0 {
@@ -361,7 +367,9 @@ fn triangle(kind: LampKind, window: &Window, corners: &[[i32; 3]; 3], texels: &m
             continue;
         }
         let line = texels.get_mut(row as usize * width..).unwrap_or(&mut []);
-        let line = line.get_mut(start as usize..end as usize).unwrap_or(&mut []);
+        let line = line
+            .get_mut(start as usize..end as usize)
+            .unwrap_or(&mut []);
         for (column, texel) in (start..).zip(line) {
             let depth = if flat {
                 nearest

@@ -17,9 +17,8 @@ pub mod toward;
 use crate::deep::Stored;
 use crate::memory::Slot;
 use crate::tables::{SRGB_TO_LINEAR, linear_to_srgb};
-use crate::transform::PLACE_LIMIT;
 use crate::{Arith, deep};
-use facets::{Facet, Facets};
+use facets::{Facet, Facets, Taken};
 use map::{Maps, Window};
 use toward::{Aim, Toward};
 use unframed_wire::{LAMPS, Lamp, LampKind, Shape};
@@ -31,6 +30,11 @@ pub const CODES: usize = 16;
 /// By what each lamp's absence dims red, green and blue, for each code of a share; parts of
 /// [`WHOLE`].
 pub type Parts = [[[u16; 3]; CODES]; LAMPS];
+
+/// Triangles for which a desktop has room.
+pub const FACETS: usize = 1 << 13;
+/// Texels for which a desktop has room.
+pub const TEXELS: usize = 1 << 19;
 
 /// What a display keeps for lamps, over storage that the caller owns. Empty slices are storage
 /// for none: such a display shows samples as they come.
@@ -115,15 +119,11 @@ impl<'a> Lights<'a> {
 
     /// Takes a lamp. False where it is out of range.
     pub fn lamp(&mut self, index: usize, lamp: &Lamp) -> bool {
-        let limit = match lamp.kind {
-            LampKind::Point => PLACE_LIMIT,
-            LampKind::Directional => 1 << 30,
-        };
-        let sound = lamp.place.iter().all(|v| (-limit..=limit).contains(v))
-            && (lamp.kind == LampKind::Point || lamp.place != [0; 3]);
-        let (Some(known), Some(parts), true) =
-            (self.lamps.get_mut(index), self.parts.get_mut(index), sound)
-        else {
+        let (Some(known), Some(parts), true) = (
+            self.lamps.get_mut(index),
+            self.parts.get_mut(index),
+            lamp.is_valid(),
+        ) else {
             return false;
         };
         if *known != Some(*lamp) {
@@ -134,9 +134,12 @@ impl<'a> Lights<'a> {
         true
     }
 
-    /// Takes a part of the shape of an object; one that is known changes nothing.
-    pub fn shape(&mut self, shape: &Shape<'_>) {
-        self.stale |= self.facets.take(shape);
+    /// Takes a part of the shape of an object; one that is known changes nothing. False where
+    /// there is no room for it.
+    pub fn shape(&mut self, shape: &Shape<'_>) -> bool {
+        let taken = self.facets.take(shape);
+        self.stale |= taken == Taken::New;
+        taken != Taken::NoRoom
     }
 
     /// Whether any sample may lie in a shadow.

@@ -55,11 +55,14 @@ impl Toward {
             LampKind::Directional => (along(lamp.place), [0; 3]),
         };
         // 15 and 31 bits, three of them: below 2^48.
-        let dot = |row: &[i64; 3], v: [i64; 3]| -> i64 { row.iter().zip(v).map(|(r, v)| r * v).sum() };
+        let dot =
+            |row: &[i64; 3], v: [i64; 3]| -> i64 { row.iter().zip(v).map(|(r, v)| r * v).sum() };
         let by = i32::from(pose.frac_bits) + UNIT;
         let matrix = rows.map(|row| {
             core::array::from_fn(|i| {
-                let column = pose.matrix.map(|line| i64::from(line.get(i).copied().unwrap_or(0)));
+                let column = pose
+                    .matrix
+                    .map(|line| i64::from(line.get(i).copied().unwrap_or(0)));
                 (dot(&row, column) >> by).clamp(-ENTRY, ENTRY) as i32
             })
         });
@@ -108,7 +111,10 @@ fn along(towards: [i32; 3]) -> [[i64; 3]; 3] {
     // Depth grows away from the light.
     let sign = if at(axis) < 0 { one } else { -one };
     let depth = core::array::from_fn(|k| if k == axis { sign } else { 0 });
-    for (row, value) in rows.iter_mut().zip([unit(b, ratio(b)), unit(c, ratio(c)), depth]) {
+    for (row, value) in rows
+        .iter_mut()
+        .zip([unit(b, ratio(b)), unit(c, ratio(c)), depth])
+    {
         *row = value;
     }
     rows
@@ -192,6 +198,10 @@ impl Aim {
 #[inline]
 #[must_use]
 pub fn depth_of(kind: LampKind, ahead: i32) -> u16 {
-    let from = if kind == LampKind::Directional { 1 << 15 } else { 0 };
+    let from = if kind == LampKind::Directional {
+        1 << 15
+    } else {
+        0
+    };
     ((ahead >> DEPTH) + from).clamp(0, i32::from(NOTHING) - 1) as u16
 }
