@@ -39,6 +39,7 @@ pub(crate) struct Shader<'a> {
     pub(crate) told: Told,
     /// What the lamps bring whose shadows the display draws, where the path met its first surface.
     brought: [Vec3; LAMPS],
+    seed: u32,
 }
 
 /// How a ray came to a surface.
@@ -72,6 +73,7 @@ impl<'a> Shader<'a> {
             points: Points::new(seed, care.pattern),
             told: Told::default(),
             brought: [Vec3::ZERO; LAMPS],
+            seed,
         }
     }
 
@@ -82,6 +84,7 @@ impl<'a> Shader<'a> {
             return Shares::default();
         }
         let shown = |light: Vec3| light.clamp(Vec3::ZERO, Vec3::ONE);
+        let [chance, _] = super::moment::unit_square(self.seed);
         Shares::new(self.brought.map(|light| {
             let (with, without) = (shown(colour), shown(colour - light));
             // Displays take tints into account as against green.
@@ -91,7 +94,7 @@ impl<'a> Shader<'a> {
                 without.max_element() / with.max_element().max(1e-6)
             };
             let most = f32::from(Shares::MAX);
-            (most * (1.0 - left.clamp(0.0, 1.0).sqrt())).round() as u8
+            (most * (1.0 - left.clamp(0.0, 1.0).sqrt()) + chance) as u8
         }))
     }
 
