@@ -113,6 +113,12 @@ impl Method {
         }
     }
 
+    /// Whether its display draws shadows of what moves.
+    #[must_use]
+    pub fn lamps(self) -> bool {
+        matches!(self, Self::Adaptive | Self::UniformSameDisplay)
+    }
+
     /// What its tiles carry.
     #[must_use]
     pub fn tile_fields(self) -> TileFields {

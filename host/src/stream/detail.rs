@@ -10,6 +10,9 @@ pub struct Detail {
     pub colour_bits: u8,
     /// Refreshes from one tiling to the next, at least 1.
     pub tiles_every: u32,
+    /// Whether samples tell the shares of lamps where [`super::sender::Promise::lamps`] says so; else
+    /// all shadows are in them.
+    pub lamps: bool,
 }
 
 impl Default for Detail {
@@ -19,6 +22,7 @@ impl Default for Detail {
             place_bits: 16,
             colour_bits: 8,
             tiles_every: 1,
+            lamps: true,
         }
     }
 }

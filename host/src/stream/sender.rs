@@ -87,7 +87,7 @@ impl Sender {
     pub fn with_detail(world: &World, promise: Promise, detail: Detail) -> Self {
         let [width, height] = world.size().map(|s| s as u16);
         let quantiser = Quantiser::new(world, detail);
-        let lamps = if promise.lamps && promise.layout == Layout::World {
+        let lamps = if promise.lamps && detail.lamps && promise.layout == Layout::World {
             world.lamps_left()
         } else {
             0

@@ -51,6 +51,9 @@ impl Serialize for Format {
 fn left_out(detail: Detail) -> String {
     let all = Detail::default();
     let mut said = Vec::new();
+    if detail.lamps {
+        said.push("lamps".to_owned());
+    }
     if detail.place_bits != all.place_bits {
         said.push(format!("places of {} bits", detail.place_bits));
     }
@@ -105,7 +108,10 @@ impl Knobs {
             memory: 1.0,
             format: Format::Fixed,
             sampling: Sampling::default(),
-            detail: Detail::default(),
+            detail: Detail {
+                lamps: false,
+                ..Detail::default()
+            },
             display: method.display(),
         }
     }
@@ -380,6 +386,8 @@ pub fn sweeps() -> Vec<Planned> {
     add("wire: bits of colours", &colours);
     let tilings = [1, 2, 8].map(|every| detail(&|d| d.tiles_every = every));
     add("wire: refreshes a tiling", &tilings);
+    let lamps = [false, true].map(|lamps| detail(&|d| d.lamps = lamps));
+    add("wire: shares of lamps", &lamps);
     let paper = Knobs::new(Method::Paper, MIDDLE);
     let depth = |depth| Knobs {
         sampling: Sampling {

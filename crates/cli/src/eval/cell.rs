@@ -362,6 +362,7 @@ impl<'a> Run<'a> {
         let Way::Stream {
             sampler,
             layout,
+            lamps,
             tile_fields,
             display,
         } = way
@@ -371,7 +372,7 @@ impl<'a> Run<'a> {
         let job = self.job;
         let promise = Promise {
             layout,
-            lamps: true,
+            lamps,
             tile_fields,
             rate,
             refresh_millihertz: REFRESH_HZ * 1000,

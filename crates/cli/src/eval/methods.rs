@@ -102,6 +102,8 @@ pub enum Way {
         sampler: Box<dyn Sampler>,
         /// How places are coded.
         layout: Layout,
+        /// Whether the display draws shadows of what moves.
+        lamps: bool,
         /// What tiles carry.
         tile_fields: TileFields,
         /// What the display does.
@@ -264,6 +266,7 @@ impl EvalMethod {
                     Self::AdaptiveNoDisplayReprojection => Layout::Screen,
                     _ => method.layout(),
                 },
+                lamps: method.lamps() && self != Self::Without(Part::Lamps),
                 tile_fields: method.tile_fields(),
                 display: self.display(method),
             };

@@ -22,8 +22,12 @@ pub enum Part {
     Lifetimes,
     /// Sampler: lifetimes balance staleness against noise, instead of a tolerance.
     Balance,
+    /// Sampler: samples look from where the eye will be.
+    Ahead,
     /// Sampler: cuts are noticed.
     Cuts,
+    /// Stream and display: the display draws shadows of what moves.
+    Lamps,
     /// Display: samples behind others are dropped.
     DisplayHidden,
     /// Display: filter width from density.
@@ -49,7 +53,7 @@ struct Entry {
     display: fn(&mut Config),
 }
 
-const PARTS: [Entry; 12] = [
+const PARTS: [Entry; 14] = [
     Entry {
         part: Part::Residuals,
         name: "adaptive-no-residuals",
@@ -93,6 +97,20 @@ const PARTS: [Entry; 12] = [
         name: "adaptive-no-cuts",
         instead: "a scene that changes wholly goes unnoticed",
         sampler: |c| c.cuts = false,
+        display: |_| {},
+    },
+    Entry {
+        part: Part::Ahead,
+        name: "adaptive-no-prediction",
+        instead: "samples look from where the eye is, not from where it will be",
+        sampler: |c| c.ahead = false,
+        display: |_| {},
+    },
+    Entry {
+        part: Part::Lamps,
+        name: "adaptive-no-lamps",
+        instead: "shadows of what moves are in the samples",
+        sampler: |_| {},
         display: |_| {},
     },
     Entry {

@@ -42,6 +42,7 @@ fn rays_a_sample(way: Way, rate: u32, world: &World, refreshes: u32) -> Result<f
     let Way::Stream {
         sampler,
         layout,
+        lamps,
         tile_fields,
         ..
     } = way
@@ -50,7 +51,7 @@ fn rays_a_sample(way: Way, rate: u32, world: &World, refreshes: u32) -> Result<f
     };
     let promise = Promise {
         layout,
-        lamps: true,
+        lamps,
         tile_fields,
         rate,
         refresh_millihertz: REFRESH_HZ * 1000,
