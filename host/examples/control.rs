@@ -31,6 +31,7 @@ fn times(spent: Spent) -> Times {
 fn run(world: &World, rate: u32, least: &mut [Times]) {
     let promise = Promise {
         layout: Layout::World,
+        lamps: true,
         tile_fields: TileFields {
             gradients: false,
             lifetime: true,

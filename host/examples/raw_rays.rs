@@ -93,6 +93,7 @@ fn keep(least: &mut f64, job: impl FnOnce()) {
 fn host(world: &World) -> Result<(f64, f64), Box<dyn Error>> {
     let promise = Promise {
         layout: Layout::World,
+        lamps: true,
         tile_fields: TileFields {
             gradients: false,
             lifetime: true,

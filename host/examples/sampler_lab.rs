@@ -4,7 +4,7 @@
 //! `cargo run --release -p unframed-host --example sampler_lab -- [scenes=a,b.glb] [rate=400000]
 //! [seconds=3] [png=FOLDER] [VARIANT …]`, a variant being `name:knob=value,knob=value` with the
 //! fields of [`Config`] as knobs, or `uniform=LIFETIME` (seconds) for uniform samples through the
-//! same display. A variant whose name begins with `paper` is the method of Dayal et al. 2005 with
+//! same display, and `lamps=0` for samples with all shadows in them. A variant whose name begins with `paper` is the method of Dayal et al. 2005 with
 //! its own display, and has the fields of [`paper::Config`] as knobs. Ideal pictures are kept in `target/` (or `LAB_CACHE`) between runs.
 
 use std::path::{Path, PathBuf};
@@ -88,6 +88,10 @@ impl<S: Sampler> Sampler for Watched<S> {
         self.with(|s| s.take_cut())
     }
 
+    fn looks_ahead(&self) -> bool {
+        self.with(|s| s.looks_ahead())
+    }
+
     fn status(&mut self, status: &Status) {
         self.with(|s| s.status(status));
     }
@@ -106,6 +110,7 @@ fn turn(config: &mut Config, key: &str, number: f32) {
         "water_filling" => config.water_filling = on,
         "lifetimes" => config.lifetimes = on,
         "cuts" => config.cuts = on,
+        "ahead" => config.ahead = on,
         "residual_memory" => config.residual_memory = number,
         "gradient_memory" => config.gradient_memory = number,
         "residual_prior" => config.residual_prior = number,
@@ -184,6 +189,7 @@ fn run(
     let mut config = Config::default();
     let mut published = name.starts_with("paper").then(paper::Config::default);
     let mut uniform = None;
+    let mut lamps = true;
     let mut recon = unframed_recon::Config::ADAPTIVE;
     for knob in knobs.split(',').filter(|k| !k.is_empty()) {
         let (key, value) = knob.split_once('=').unwrap_or((knob, "1"));
@@ -192,6 +198,8 @@ fn run(
             .unwrap_or_else(|_| panic!("{knob}: not a number"));
         if let Some(config) = &mut published {
             turn_paper(config, key, number.into());
+        } else if key == "lamps" {
+            lamps = number != 0.0;
         } else if key == "uniform" {
             uniform = Some(number);
         } else if let Some(key) = key.strip_prefix("display_") {
@@ -215,6 +223,7 @@ fn run(
     };
     let promise = Promise {
         layout: Layout::World,
+        lamps: lamps && published.is_none(),
         tile_fields: TileFields {
             gradients: published.is_some(),
             lifetime: uniform.is_none() && published.is_none(),

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use unframed_wire::{End, Hello, Status, TileNode, ledger::Ledger};
 
+use crate::gaze::{Ahead, Gaze};
 use crate::sampler::{Sampler, Shot, Span};
 use crate::stream::Detail;
 use crate::stream::sender::Promise;
@@ -200,7 +201,16 @@ impl Host {
             progress.rays += self.world.preparation();
             clock.lap(&mut self.spent.scene);
             let span = Span { t0, t1, shots };
-            self.sampler.epoch(span, &self.world, &mut self.shots);
+            let ahead = self.sampler.looks_ahead().then(|| {
+                let before = |spans: f64| self.world.camera(t0 - spans * (t1 - t0));
+                Ahead::predict([&before(2.0), &before(1.0), &before(0.0)], t0, t1)
+            });
+            let gaze = Gaze {
+                world: &self.world,
+                open: self.sender.hello().lamps > 0,
+                ahead,
+            };
+            self.sampler.epoch(span, &gaze, &mut self.shots);
             clock.lap(&mut self.spent.tracing);
             if let Some(time) = self.sampler.take_cut() {
                 progress.cut = true;

@@ -8,6 +8,7 @@
 pub mod drive;
 pub mod effects;
 pub mod framed;
+mod gaze;
 pub mod sampler;
 pub mod scene;
 pub mod stream;

@@ -55,6 +55,7 @@ fn host(scene: &str, rate: u32) -> Host {
     let world = World::new(builtin(scene).expect("a built-in scene"), size.into());
     let promise = Promise {
         layout: Layout::World,
+        lamps: true,
         tile_fields: TileFields {
             gradients: false,
             lifetime: true,

@@ -29,6 +29,7 @@ fn stream(scene: &str) -> Vec<u8> {
     };
     let promise = Promise {
         layout: Layout::World,
+        lamps: true,
         tile_fields: TileFields {
             gradients: false,
             lifetime: true,

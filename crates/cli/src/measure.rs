@@ -145,6 +145,7 @@ pub fn detailed(
     let size = UVec2::new(source.size.width.into(), source.size.height.into());
     let promise = Promise {
         layout: method.layout(),
+        lamps: true,
         tile_fields: method.tile_fields(),
         rate: source.rate,
         refresh_millihertz: REFRESH_HZ * 1000,

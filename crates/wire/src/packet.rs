@@ -201,7 +201,7 @@ impl<'a> Packet<'a> {
             }
             Kind::World => {
                 let hello = hello.filter(|h| h.layout == Layout::World)?;
-                Packet::World(WorldSamples::parse(payload, hello.objects)?)
+                Packet::World(WorldSamples::parse(payload, hello.objects, hello.lamps)?)
             }
             Kind::Screen => {
                 let hello = hello.filter(|h| h.layout == Layout::Screen)?;

@@ -24,6 +24,9 @@ pub struct Care {
     pub rays: [u8; 3],
     /// Seeds that follow each other take the points of one sequence; else points are random.
     pub pattern: bool,
+    /// Whether the sample tells what it would be without the shadows that a display draws itself,
+    /// and the shares of the lamps ([`crate::trace::Hit::shares`]).
+    pub open: bool,
 }
 
 impl Default for Care {
@@ -31,6 +34,7 @@ impl Default for Care {
         Self {
             rays: [1; 3],
             pattern: false,
+            open: false,
         }
     }
 }

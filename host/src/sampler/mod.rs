@@ -72,7 +72,7 @@ pub trait Eye: Sync {
 
 /// How much of the way to a place must be free for the place to be seen: rounding puts it a little
 /// behind its own surface.
-const SEEN: f32 = 0.999;
+pub(crate) const SEEN: f32 = 0.999;
 
 /// Rays at the instants that were prepared; views and poses at any.
 impl Eye for World {
@@ -182,6 +182,12 @@ pub trait Sampler: Send {
     /// Rays traced since the last call that gave no samples.
     fn take_rays(&mut self) -> Rays {
         Rays::default()
+    }
+
+    /// Whether its samples look from where the eye will be at the end of a span, as predicted at
+    /// its beginning.
+    fn looks_ahead(&self) -> bool {
+        false
     }
 
     /// The display's report.

@@ -83,6 +83,7 @@ impl Stage {
                 local: disc,
                 depth,
                 rays,
+                shares: unframed_wire::Shares::default(),
             };
         }
         let wall = eye + direction * WALL * near;
@@ -101,6 +102,7 @@ impl Stage {
                 local: wall,
                 depth: WALL * near,
                 rays,
+                shares: unframed_wire::Shares::default(),
             };
         }
         let local = direction.normalize();
@@ -110,6 +112,7 @@ impl Stage {
             local,
             depth: f32::INFINITY,
             rays,
+            shares: unframed_wire::Shares::default(),
         }
     }
 }

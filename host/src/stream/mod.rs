@@ -1,6 +1,7 @@
 //! The way out: samples, views, poses and tiles become bytes for the display.
 
 pub mod detail;
+mod light;
 pub mod quantise;
 pub mod sender;
 

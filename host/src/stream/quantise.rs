@@ -161,6 +161,12 @@ impl Quantiser {
         }
     }
 
+    /// A place in world coordinates, metres, in world units.
+    #[must_use]
+    pub fn point(&self, place: Vec3) -> [i32; 3] {
+        self.units(place.as_dvec3())
+    }
+
     fn units(&self, place: DVec3) -> [i32; 3] {
         ((place - self.origin) / self.unit)
             .to_array()

@@ -3,10 +3,11 @@
 use std::fmt;
 
 use unframed_wire::{
-    ColourEncoding, EncodeError, End, Hello, Layout, Pose, Rect, Refresh, SKY, ScreenSample,
-    Shares, Tick, TileFields, TileNode, WorldSample, Writer, ledger::Ledger,
+    ColourEncoding, EncodeError, End, Hello, Layout, Pose, Rect, Refresh, SKY, ScreenSample, Tick,
+    TileFields, TileNode, WorldSample, Writer, ledger::Ledger,
 };
 
+use super::light::{self, LightSender};
 use super::{Detail, Quantiser};
 use crate::sampler::Shot;
 use crate::trace::{World, srgb};
@@ -17,6 +18,9 @@ const PACKET_SAMPLES: usize = 256;
 const PACKET_SPAN: f64 = 1e-3;
 /// Refreshes between repeats of Hello and of the poses of things at rest.
 const HELLO_EVERY: u32 = 30;
+
+/// Refreshes between repeated parts of shapes.
+const SHAPE_EVERY: u32 = 4;
 
 /// What could not be sent.
 #[derive(Debug)]
@@ -48,6 +52,7 @@ pub struct Sender {
     writer: Writer,
     hello: Hello,
     quantiser: Quantiser,
+    light: LightSender,
     detail: Detail,
     world_samples: Vec<WorldSample>,
     screen_samples: Vec<ScreenSample>,
@@ -59,6 +64,9 @@ pub struct Sender {
 pub struct Promise {
     /// How places are coded.
     pub layout: Layout,
+    /// Whether the display is to draw shadows of what moves, where a scene has such and samples have
+    /// places in the world.
+    pub lamps: bool,
     /// What tiles carry.
     pub tile_fields: TileFields,
     /// Samples a second.
@@ -79,6 +87,16 @@ impl Sender {
     pub fn with_detail(world: &World, promise: Promise, detail: Detail) -> Self {
         let [width, height] = world.size().map(|s| s as u16);
         let quantiser = Quantiser::new(world, detail);
+        let lamps = if promise.lamps && promise.layout == Layout::World {
+            world.lamps_left()
+        } else {
+            0
+        };
+        let light = if lamps > 0 {
+            LightSender::new(world, &quantiser)
+        } else {
+            LightSender::default()
+        };
         let hello = Hello {
             width,
             height,
@@ -89,12 +107,13 @@ impl Sender {
             rate: promise.rate,
             refresh_millihertz: promise.refresh_millihertz,
             world: quantiser.frame(),
-            lamps: 0,
+            lamps,
         };
         Self {
             writer: Writer::new(),
             hello,
             quantiser,
+            light,
             detail,
             world_samples: Vec::new(),
             screen_samples: Vec::new(),
@@ -146,7 +165,7 @@ impl Sender {
                         place: quantiser.place(shot.hit.object, shot.hit.local),
                         rgb: detail.colour(srgb::encode8(shot.hit.colour)),
                         object: shot.hit.object,
-                        shares: Shares::default(),
+                        shares: shot.hit.shares,
                     }));
                 self.writer.world_samples(time, &self.world_samples, sink)?;
             }
@@ -238,6 +257,17 @@ impl Sender {
                 .map(|k| self.quantiser.pose(k, &world.pose(k, time), camera.eye))
                 .collect();
             self.writer.poses(tick(time), &poses, sink)?;
+            if self.hello.lamps > 0 {
+                if again || world.lamps_left_move() {
+                    let lamps = light::lamps(world, &self.quantiser, time);
+                    self.writer.lamps(tick(time), &lamps, sink)?;
+                }
+                if self.refreshes == 0 {
+                    self.light.all(&mut self.writer, sink)?;
+                } else if self.refreshes.is_multiple_of(SHAPE_EVERY) {
+                    self.light.again(&mut self.writer, sink)?;
+                }
+            }
         }
         self.writer.refresh(
             Refresh {

@@ -12,6 +12,7 @@ use crate::effects::care::{self, Care, MOST};
 const CARE: Care = Care {
     rays: [8, 16, 4],
     pattern: true,
+    open: false,
 };
 
 /// The image at instant `t` (seconds), row by row from the top, sRGB codes.

@@ -55,6 +55,15 @@ impl Place {
     }
 }
 
+/// Where light comes from that casts hard shadows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Source {
+    /// A place, metres.
+    At(Vec3),
+    /// A unit direction towards it.
+    Towards(Vec3),
+}
+
 /// Light that would arrive at a place if nothing stood in between.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Incoming {
@@ -179,6 +188,26 @@ impl Lamp {
         }
         let radius = (place.total * std::f32::consts::FRAC_1_PI).sqrt();
         Some((place.position, radius))
+    }
+
+    /// Where a punctual lamp's light comes from when its node stands at `pose`; `None` of others.
+    pub(crate) fn source(&self, pose: &Affine3A) -> Option<Source> {
+        match &self.shape {
+            Shape::Punctual(light) if light.kind == LightKind::Directional => {
+                let axis = (pose.matrix3 * Vec3A::NEG_Z).normalize_or(Vec3A::NEG_Y);
+                Some(Source::Towards((-axis).into()))
+            }
+            Shape::Punctual(_) => Some(Source::At(pose.translation.into())),
+            Shape::Emitter { .. } => None,
+        }
+    }
+
+    /// Its colour times intensity.
+    pub(crate) fn light(&self) -> Vec3 {
+        match &self.shape {
+            Shape::Punctual(light) => light.intensity,
+            Shape::Emitter { radiance, .. } => *radiance,
+        }
     }
 
     /// Its node.

@@ -4,6 +4,7 @@
 //! of its own under the transform of the instant.
 
 pub mod camera;
+mod casters;
 mod check;
 pub(crate) mod cone;
 mod epoch;
@@ -27,6 +28,7 @@ pub use obvhs::aabb::Aabb;
 pub use world::{MAX_OBJECTS, Motion, World};
 
 use glam::Vec3;
+use unframed_wire::Shares;
 
 /// What one camera ray found: all that the sampler and the stream need of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +44,9 @@ pub struct Hit {
     pub depth: f32,
     /// Rays traced for it, of each kind.
     pub rays: Rays,
+    /// With [`crate::effects::care::Care::open`] what the lamps bring whose shadows the display
+    /// draws; else of nothing.
+    pub shares: Shares,
 }
 
 /// Rays by what called for them; no ray is counted twice.

@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, Vec2, Vec3, Vec3A};
 use obvhs::ray::{Ray, RayHit};
-use unframed_wire::SKY;
+use unframed_wire::{SKY, Shares};
 
 use super::camera::Camera;
 use super::cone::{Cone, Footprint};
@@ -71,6 +71,11 @@ impl<'a> Moment<'a> {
             f,
             camera,
         }
+    }
+
+    /// The same world at the same instant, seen by another camera.
+    pub(crate) fn seen_from(self, camera: Camera) -> Self {
+        Self { camera, ..self }
     }
 
     /// The camera of the instant.
@@ -165,6 +170,7 @@ impl<'a> Moment<'a> {
                     weight: Vec3::ONE,
                 };
                 let colour = shader.radiance(&struck, &path);
+                let shares = shader.shares(colour);
                 let end = struck.t * length;
                 let colour = shader.through_medium(origin, path.direction, end, colour, Vec3::ONE);
                 Hit {
@@ -173,6 +179,7 @@ impl<'a> Moment<'a> {
                     local: struck.local,
                     depth: struck.t * along,
                     rays: shader.rays,
+                    shares,
                 }
             }
             None => {
@@ -186,6 +193,7 @@ impl<'a> Moment<'a> {
                     local: direction,
                     depth: f32::INFINITY,
                     rays: shader.rays,
+                    shares: Shares::default(),
                 }
             }
         };
@@ -264,7 +272,25 @@ impl<'a> Moment<'a> {
     /// Whether anything that casts a shadow lies between `origin` and `origin + direction·tmax`.
     pub(crate) fn blocked(&self, origin: Vec3, direction: Vec3, tmax: f32) -> bool {
         let ray = Ray::new(origin.into(), direction.into(), 0.0, tmax);
-        self.stopped(ray, |a, uv| self.shadows(a, uv))
+        self.stopped(ray, |a, uv| self.shadows(a, uv), |_| false)
+    }
+
+    /// The same but for movers whose shadows are left to the display; those of `object` are its own.
+    pub(crate) fn blocked_for_good(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        tmax: f32,
+        object: u8,
+    ) -> bool {
+        let ray = Ray::new(origin.into(), direction.into(), 0.0, tmax);
+        let frames = &self.world.object_frames;
+        let own = usize::from(object)
+            .checked_sub(1)
+            .and_then(|i| frames.get(i));
+        let casters = &self.world.casters;
+        let left = |mover| casters.contains(mover) && own != Some(&mover);
+        self.stopped(ray, |a, uv| self.shadows(a, uv), left)
     }
 
     /// Whether nothing that could be seen lies between the eye and `end` times `way` from it
@@ -272,18 +298,25 @@ impl<'a> Moment<'a> {
     #[must_use]
     pub fn is_clear(&self, way: Vec3, end: f32) -> bool {
         let ray = Ray::new(self.camera.eye.into(), way.into(), 0.0, end);
-        !self.stopped(ray, |a, uv| self.opaque(a, uv))
+        !self.stopped(ray, |a, uv| self.opaque(a, uv), |_| false)
     }
 
-    /// Whether a ray meets anything that `stops` it.
-    fn stopped(&self, ray: Ray, stops: impl Fn(&Attributes, Vec2) -> bool) -> bool {
+    /// Whether a ray meets anything that `stops` it, of movers only those that are not `left` out.
+    #[inline]
+    fn stopped(
+        &self,
+        ray: Ray,
+        stops: impl Fn(&Attributes, Vec2) -> bool,
+        left: impl Fn(usize) -> bool,
+    ) -> bool {
         let world = self.world;
         if world.fixed.blocked(ray, &stops) || world.skin.blocked(ray, &stops) {
             return true;
         }
         let mut blocked = false;
         self.near_movers(ray, |ray, mover| {
-            blocked = blocked || world.movers[mover].blocked(self.to_frame(mover, ray), &stops);
+            blocked = blocked
+                || !left(mover) && world.movers[mover].blocked(self.to_frame(mover, ray), &stops);
             // Nothing beyond matters once something is in the way.
             if blocked { ray.tmin } else { f32::INFINITY }
         });

@@ -8,6 +8,7 @@
 use std::f32::consts::{FRAC_1_PI, PI};
 
 use glam::Vec3;
+use unframed_wire::{LAMPS, Shares};
 
 use super::Rays;
 use super::cone::{Cone, Footprint};
@@ -36,6 +37,8 @@ pub(crate) struct Shader<'a> {
     points: Points,
     /// What the rays of effects brought so far.
     pub(crate) told: Told,
+    /// What the lamps bring whose shadows the display draws, where the path met its first surface.
+    brought: [Vec3; LAMPS],
 }
 
 /// How a ray came to a surface.
@@ -68,7 +71,28 @@ impl<'a> Shader<'a> {
             care,
             points: Points::new(seed, care.pattern),
             told: Told::default(),
+            brought: [Vec3::ZERO; LAMPS],
         }
+    }
+
+    /// What the lamps bring of a colour whose shadows the display draws, as it will be shown: of
+    /// light beyond white a lamp may take much before anything is seen.
+    pub(crate) fn shares(&self, colour: Vec3) -> Shares {
+        if !self.care.open {
+            return Shares::default();
+        }
+        let shown = |light: Vec3| light.clamp(Vec3::ZERO, Vec3::ONE);
+        Shares::new(self.brought.map(|light| {
+            let (with, without) = (shown(colour), shown(colour - light));
+            // Displays take tints into account as against green.
+            let left = if with.y > FAINT {
+                without.y / with.y
+            } else {
+                without.max_element() / with.max_element().max(1e-6)
+            };
+            let most = f32::from(Shares::MAX);
+            (most * (1.0 - left.clamp(0.0, 1.0).sqrt())).round() as u8
+        }))
     }
 
     /// Radiance of the sky.
@@ -98,7 +122,11 @@ impl<'a> Shader<'a> {
             f0: Vec3::splat(0.04).lerp(base, metallic),
             alpha: glossy.then(|| material.roughness.max(MIRROR_ROUGHNESS).powi(2)),
         };
-        let direct = self.direct(struck, path.direction, &response, path.weight * share);
+        let open = self.care.open && path.bounces == 0;
+        let direct = self.direct(struck, path.direction, &response, path.weight * share, open);
+        if open {
+            self.brought = self.brought.map(|light| light * share);
+        }
         let ambient = if self.moment.indirect() {
             self.indirect(struck, path.weight * share * base)
         } else {
@@ -203,14 +231,32 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Light that comes straight from the lamps.
-    fn direct(&mut self, s: &Struck, direction: Vec3, response: &Response, weight: Vec3) -> Vec3 {
+    /// Light that comes straight from the lamps; `open`: without shadows that the display draws.
+    fn direct(
+        &mut self,
+        s: &Struck,
+        direction: Vec3,
+        response: &Response,
+        weight: Vec3,
+        open: bool,
+    ) -> Vec3 {
         let world = self.moment.world;
         let (hard, soft) = world.lamps.split_at(world.first_area);
         let mut rays = 0;
         let mut sum = Vec3::ZERO;
         for i in 0..hard.len() {
-            sum += self.lamp_light(i, [0.5; 2], s, direction, response, weight, &mut rays);
+            let left = if open {
+                world.casters.position(i)
+            } else {
+                None
+            };
+            let open = left.is_some();
+            let light =
+                self.lamp_light(i, [0.5; 2], s, direction, response, weight, open, &mut rays);
+            if let Some(lamp) = left {
+                self.brought[lamp] = light;
+            }
+            sum += light;
         }
         self.rays.shadow += rays;
         if !soft.is_empty() {
@@ -236,7 +282,9 @@ impl<'a> Shader<'a> {
         for lamp in world.first_area..world.lamps.len() {
             for (i, brought) in brought[..count].iter_mut().enumerate() {
                 let point = self.points.next(Purpose::Lamp(lamp), i);
-                let light = self.lamp_light(lamp, point, s, direction, response, weight, &mut rays);
+                let light = self.lamp_light(
+                    lamp, point, s, direction, response, weight, false, &mut rays,
+                );
                 *brought += luminance(light * weight);
                 sum += light;
             }
@@ -260,6 +308,7 @@ impl<'a> Shader<'a> {
         direction: Vec3,
         response: &Response,
         weight: Vec3,
+        open: bool,
         rays: &mut u32,
     ) -> Vec3 {
         let moment = self.moment;
@@ -282,7 +331,13 @@ impl<'a> Shader<'a> {
         }
         *rays += 1;
         let origin = lifted(s.place, s.flat);
-        if moment.blocked(origin, light.towards, light.distance * 0.9999) {
+        let end = light.distance * 0.9999;
+        let blocked = if open {
+            moment.blocked_for_good(origin, light.towards, end, s.spot.object)
+        } else {
+            moment.blocked(origin, light.towards, end)
+        };
+        if blocked {
             return Vec3::ZERO;
         }
         arriving

@@ -16,10 +16,11 @@ use unframed_wire::SKY;
 
 use super::Rays;
 use super::camera::Camera;
+use super::casters::{self, Casters};
 use super::check::{WorldError, check};
 use super::epoch::{Epoch, Knot, sweep};
 use super::geometry::{Attributes, Geometry, NO_COLOURS, Soup};
-use super::light::{Lamp, Place, lights_others};
+use super::light::{Lamp, Place, Source, lights_others};
 use super::moment::Moment;
 use super::skin::Skinned;
 use super::texture::Sampler;
@@ -68,6 +69,8 @@ pub struct World {
     pub(crate) lamps: Vec<Lamp>,
     /// From this one on lamps are area lights.
     pub(crate) first_area: usize,
+    /// Shadows that are left to the display where it draws them.
+    pub(crate) casters: Casters,
     /// Of the prepared stretch, when the scene calls for indirect light.
     pub(crate) vpls: Vpls,
     camera: Option<(usize, Lens)>,
@@ -145,6 +148,7 @@ impl World {
             first_area: lamps.partition_point(|lamp| !lamp.is_area()),
             lamps,
             vpls: Vpls::default(),
+            casters: Casters::default(),
             camera,
             epoch,
             scene,
@@ -152,6 +156,7 @@ impl World {
             poses,
         };
         world.measure_objects();
+        world.choose_casters();
         world.prepare(0.0, 0.0);
         Ok(world)
     }
@@ -326,6 +331,73 @@ impl World {
             aperture: lens.aperture,
             focus: lens.focus,
         }
+    }
+
+    /// Fills `casters`. A medium glows in the light of lamps: what it hides no sample tells.
+    fn choose_casters(&mut self) {
+        if self.scene.medium.is_some() {
+            return;
+        }
+        let middle = self
+            .fixed
+            .bounds()
+            .map_or(Vec3::ZERO, |b| b.center().into());
+        let is_object = |mover: usize| self.object_frames.contains(&mover);
+        let strength = |lamp: &Lamp| {
+            let nowhere = || ([0.5; 2], Affine3A::IDENTITY);
+            let light = lamp.incoming(&lamp.place(&self.poses), middle, nowhere);
+            light.map_or(0.0, |light| light.irradiance.max_element())
+        };
+        self.casters = Casters::choose(
+            &self.movers,
+            is_object,
+            &self.scene.materials,
+            &self.glowing,
+            &self.lamps,
+            strength,
+        );
+    }
+
+    /// Number of lamps whose shadows a display may draw itself, 0..=[`unframed_wire::LAMPS`].
+    #[must_use]
+    pub fn lamps_left(&self) -> u8 {
+        self.casters.lamps.len() as u8
+    }
+
+    /// Where such a lamp is at any instant, seconds, and its light, as against the light that has no
+    /// lamp: in red, green and blue.
+    pub(crate) fn lamp_left(&self, lamp: usize, t: f64) -> Option<(Source, Vec3)> {
+        let lamp = self.lamps.get(*self.casters.lamps.get(lamp)?)?;
+        let pose = self.animation.world(&self.scene, lamp.node(), t);
+        let ambient = self.scene.sky.ambient.max(Vec3::splat(1e-3));
+        Some(
+            lamp.source(&pose)
+                .map(|source| (source, lamp.light() / ambient))?,
+        )
+    }
+
+    /// Whether such a lamp ever moves.
+    pub(crate) fn lamps_left_move(&self) -> bool {
+        let lamps = self.casters.lamps.iter();
+        lamps
+            .filter_map(|&lamp| self.lamps.get(lamp))
+            .any(|lamp| lamp.moves(&self.animation))
+    }
+
+    /// The objects whose shadows a display may draw itself, with their triangles in the objects' own
+    /// coordinates, metres.
+    pub(crate) fn shapes(&self) -> Vec<(u8, Vec<[Vec3A; 3]>)> {
+        let objects = (1..).zip(&self.object_frames);
+        objects
+            .filter(|(_, mover)| self.casters.contains(**mover))
+            .filter_map(|(object, &mover)| {
+                let (materials, glowing) = (&self.scene.materials, &self.glowing);
+                Some((
+                    object,
+                    casters::shape(&self.movers[mover], materials, glowing)?,
+                ))
+            })
+            .collect()
     }
 
     /// Fills `object_bounds`.

@@ -106,6 +106,7 @@ pub fn dense(world: &World, time: f64) -> Result<(Vec<u8>, usize)> {
         .collect();
     let promise = Promise {
         layout: Layout::World,
+        lamps: true,
         tile_fields: TileFields::default(),
         rate: shots.len() as u32 * REFRESH_HZ,
         refresh_millihertz: REFRESH_HZ * 1000,

@@ -371,6 +371,7 @@ impl<'a> Run<'a> {
         let job = self.job;
         let promise = Promise {
             layout,
+            lamps: true,
             tile_fields,
             rate,
             refresh_millihertz: REFRESH_HZ * 1000,

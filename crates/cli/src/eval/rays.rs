@@ -50,6 +50,7 @@ fn rays_a_sample(way: Way, rate: u32, world: &World, refreshes: u32) -> Result<f
     };
     let promise = Promise {
         layout,
+        lamps: true,
         tile_fields,
         rate,
         refresh_millihertz: REFRESH_HZ * 1000,

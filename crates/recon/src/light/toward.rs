@@ -11,9 +11,9 @@ use unframed_wire::{Lamp, LampKind, Pose};
 pub const UNIT: i32 = 8;
 /// Fractional bits of matrices.
 const BITS: i32 = 14;
-/// Entries of matrices stay within, so that 32 bits hold a place: a lattice may be as coarse as the
-/// unit.
-const ENTRY: i64 = 1 << BITS;
+/// Entries of matrices stay within. Places of 16 bits then wrap around where a lattice is coarser
+/// than the unit; coarser lattices have places of fewer bits.
+const ENTRY: i64 = 1 << (BITS + 6);
 /// log2 of a face's half side.
 pub const FACE_BITS: u32 = 14;
 /// Half the side of a face of a cube.
@@ -80,8 +80,12 @@ impl Toward {
     pub fn place(&self, place: [i16; 3]) -> [i32; 3] {
         let mut seen = self.offset;
         for (seen, row) in seen.iter_mut().zip(&self.matrix) {
-            let sum: i32 = row.iter().zip(place).map(|(m, q)| m * i32::from(q)).sum();
-            *seen += (sum + (1 << (BITS - 1))) >> BITS;
+            let products = row
+                .iter()
+                .zip(place)
+                .map(|(m, q)| m.wrapping_mul(i32::from(q)));
+            let sum = products.fold(1 << (BITS - 1), i32::wrapping_add);
+            *seen += sum >> BITS;
         }
         seen
     }

@@ -33,7 +33,7 @@ impl<'a> ScreenSamples<'a> {
         let left = u16::from(c.u8()?) + 1;
         let mut bits = BitReader::new(c.0);
         let k = bits.bits(5)?;
-        let colours = Parameters::get(&mut bits)?;
+        let colours = Parameters::get(&mut bits, 0)?;
         let edge = [u32::from(width) * 16, u32::from(height) * 16];
         Some(ScreenSamples {
             time,
@@ -172,7 +172,7 @@ pub(crate) fn put(b: &mut Buffer, time: Tick, samples: &[ScreenSample]) -> Sampl
     let mut spent = SampleBits::default();
     let mut w = BitWriter::new(b);
     w.bits(k, 5);
-    colours.put(&mut w);
+    colours.put(&mut w, 0);
     spent.parameters += u64::from(w.total());
     for (i, &(gap, residual)) in steps.iter().enumerate() {
         let before = w.total();

@@ -6,7 +6,7 @@
 //! decoder never interleaves anything. Where samples lie in a plane of the lattice (walls, floors)
 //! the bits of that axis repeat; a mode leaves them out.
 
-use super::colour::{self, FAR, Histogram, Parameters};
+use super::colour::{self, FAR, Histogram, Parameters, SHARE_WIDTH};
 use super::{MAX_SAMPLES, SURE_SAMPLES};
 use crate::bits::{BitReader, BitWriter, fold, rice_len, unfold};
 use crate::bytes::{Buffer, Cursor};
@@ -40,9 +40,11 @@ pub struct WorldSamples<'a> {
     k: u32,
     colours: Parameters,
     mode: u32,
-    /// Offset-binary place, colour and object of the sample before.
+    lamps: u8,
+    /// Offset-binary place, colour, shares and object of the sample before.
     place: [u16; 3],
     rgb: [u8; 3],
+    shares: Shares,
     object: u8,
     bits: BitReader<'a>,
     malformed: bool,
@@ -50,8 +52,8 @@ pub struct WorldSamples<'a> {
 
 impl<'a> WorldSamples<'a> {
     /// `None` if the runs do not add up to 1..=[`MAX_SAMPLES`], or if they name objects where the
-    /// stream has none.
-    pub(crate) fn parse(payload: &'a [u8], objects: bool) -> Option<Self> {
+    /// stream has none. Of `lamps` lamps samples tell the shares.
+    pub(crate) fn parse(payload: &'a [u8], objects: bool, lamps: u8) -> Option<Self> {
         let mut c = Cursor(payload);
         let time = Tick(c.u32()?);
         let count = usize::from(c.u8()?) + 1;
@@ -71,7 +73,7 @@ impl<'a> WorldSamples<'a> {
         let flat = bits.flag()?;
         let centre = bits.bits(6)?;
         let k = bits.bits(3)?;
-        let colours = Parameters::get(&mut bits)?;
+        let colours = Parameters::get(&mut bits, lamps)?;
         Some(WorldSamples {
             time,
             left,
@@ -83,8 +85,10 @@ impl<'a> WorldSamples<'a> {
             k,
             colours,
             mode: ALL,
+            lamps,
             place: [0; 3],
             rgb: [0; 3],
+            shares: Shares::default(),
             object: 0,
             bits,
             malformed: false,
@@ -161,8 +165,18 @@ impl<'a> WorldSamples<'a> {
             self.first = false;
             self.rgb =
                 [self.bits.bits(8)?, self.bits.bits(8)?, self.bits.bits(8)?].map(|c| c as u8);
+            let mut codes = [0; LAMPS];
+            for code in codes.iter_mut().take(usize::from(self.lamps)) {
+                *code = self.bits.bits(SHARE_WIDTH)? as u8;
+            }
+            self.shares = Shares::new(codes);
         } else {
-            self.rgb = self.colours.decode(&mut self.bits, distance, self.rgb)?;
+            let bits = &mut self.bits;
+            self.rgb = self.colours.decode(bits, distance, self.rgb)?;
+            if self.lamps > 0 {
+                let (lamps, last) = (self.lamps, self.shares);
+                self.shares = self.colours.decode_shares(bits, distance, lamps, last)?;
+            }
         }
         self.run_left -= 1;
         let place = self.place.map(|u| (u ^ 0x8000) as i16);
@@ -170,7 +184,7 @@ impl<'a> WorldSamples<'a> {
             place,
             rgb: self.rgb,
             object: self.object,
-            shares: Shares::default(),
+            shares: self.shares,
         })
     }
 }
@@ -207,10 +221,19 @@ struct Step {
     place: [u16; 3],
     suffix: u32,
     residual: [u8; 3],
+    shares: [u8; LAMPS],
     object: u8,
     starts: bool,
     /// Axes whose low bits are those of the sample before.
     still: [bool; 3],
+}
+
+impl Step {
+    /// Differences of the codes of the lamps that the stream has; the codes themselves of the
+    /// first sample.
+    fn shares(&self, lamps: u8) -> &[u8] {
+        self.shares.get(..usize::from(lamps)).unwrap_or_default()
+    }
 }
 
 /// The mode for a step after `mode`: keeps it while it holds, else leaves out the longest axis
@@ -272,8 +295,8 @@ fn suffix_parameters(steps: &[Step]) -> (u32, u32) {
 }
 
 /// Writes the payload of up to [`MAX_SAMPLES`] samples; the buffer says whether they fitted, and
-/// [`SURE_SAMPLES`] do.
-pub(crate) fn put(b: &mut Buffer, time: Tick, samples: &[WorldSample]) -> SampleBits {
+/// [`SURE_SAMPLES`] do. Of `lamps` lamps they tell the shares.
+pub(crate) fn put(b: &mut Buffer, time: Tick, samples: &[WorldSample], lamps: u8) -> SampleBits {
     debug_assert!(SURE_SAMPLES <= MAX_SAMPLES && samples.len() <= MAX_SAMPLES);
     // Object, Morton number, index: sorting the keys sorts the samples, ties in their order.
     let mut keys = [u64::MAX; MAX_SAMPLES];
@@ -312,8 +335,11 @@ pub(crate) fn put(b: &mut Buffer, time: Tick, samples: &[WorldSample]) -> Sample
         if let Some((_, l)) = last {
             step.residual = colour::residual(l.rgb, s.rgb);
             histogram.add(distance, step.residual);
+            step.shares = colour::share_residual(l.shares, s.shares);
+            histogram.add_shares(distance, step.shares(lamps));
         } else {
             step.residual = s.rgb;
+            step.shares = core::array::from_fn(|lamp| s.shares.code(lamp));
         }
         last = Some((key, s));
     }
@@ -325,10 +351,16 @@ pub(crate) fn put(b: &mut Buffer, time: Tick, samples: &[WorldSample]) -> Sample
         b.u8(run.first().map_or(0, |s| s.object));
         b.u8((run.len() - 1) as u8);
     }
-    write(b, steps, histogram.best(), runs)
+    write(b, steps, histogram.best(), runs, lamps)
 }
 
-fn write(b: &mut Buffer, steps: &[Step], colours: Parameters, runs: usize) -> SampleBits {
+fn write(
+    b: &mut Buffer,
+    steps: &[Step],
+    colours: Parameters,
+    runs: usize,
+    lamps: u8,
+) -> SampleBits {
     let flat = place_bits(steps, true) < place_bits(steps, false);
     let (centre, k) = suffix_parameters(steps);
     let mut spent = SampleBits {
@@ -339,7 +371,7 @@ fn write(b: &mut Buffer, steps: &[Step], colours: Parameters, runs: usize) -> Sa
     w.bits(u32::from(flat), 1);
     w.bits(centre, 6);
     w.bits(k, 3);
-    colours.put(&mut w);
+    colours.put(&mut w, lamps);
     spent.parameters += u64::from(w.total());
     let mut mode = ALL;
     for (i, step) in steps.iter().enumerate() {
@@ -377,6 +409,16 @@ fn write(b: &mut Buffer, steps: &[Step], colours: Parameters, runs: usize) -> Sa
             colours.encode(&mut w, distance, step.residual);
         }
         spent.colour += u64::from(w.total() - before);
+        let before = w.total();
+        let shares = step.shares(lamps);
+        if i == 0 {
+            shares
+                .iter()
+                .for_each(|&c| w.bits(u32::from(c), SHARE_WIDTH));
+        } else {
+            colours.encode_shares(&mut w, distance, shares);
+        }
+        spent.shares += u64::from(w.total() - before);
     }
     w.finish();
     spent

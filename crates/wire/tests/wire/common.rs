@@ -78,6 +78,32 @@ pub(crate) fn hello(layout: Layout, objects: bool) -> Hello {
     }
 }
 
+/// The Hello of a world with objects whose samples tell the shares of `lamps` lamps.
+pub(crate) fn lit(lamps: u8) -> Hello {
+    Hello {
+        lamps,
+        ..hello(Layout::World, true)
+    }
+}
+
+/// A lamp in range.
+pub(crate) const LAMP: Lamp = Lamp {
+    kind: LampKind::Point,
+    place: [1000, -2000, Lamp::MAX_PLACE],
+    tint: [256, 1],
+};
+
+/// Shares that change smoothly over an object.
+pub(crate) fn smooth(place: [i16; 3], lamps: u8) -> Shares {
+    let [x, y, z] = place.map(|q| i32::from(q) + 32_768);
+    let codes = [x + z / 2, y + z].map(|far| 15 - (far >> 13) as u8);
+    Shares::new(match lamps {
+        0 => [0; 2],
+        1 => [codes[0], 0],
+        _ => codes,
+    })
+}
+
 /// What a [`Writer`] sends while `f` uses it.
 pub(crate) fn written(f: impl FnOnce(&mut Writer, &mut dyn FnMut(&[u8]))) -> Vec<u8> {
     let mut bytes = Vec::new();

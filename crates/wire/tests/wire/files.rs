@@ -74,11 +74,12 @@ fn the_summary_adds_up() {
     );
     let of = |kind| s.packets_of(kind);
     assert_eq!([of(Kind::Hello), of(Kind::View), of(Kind::Tiles)], [20; 3]);
+    assert_eq!([of(Kind::Lamps), of(Kind::Shape)], [20; 2]);
     assert_eq!(
         (s.sample_packets(), of(Kind::Refresh), of(Kind::End)),
         (80, 20, 1)
     );
-    assert_eq!(s.end.map(|e| (e.samples, e.packets)), Some((3200, 180)));
+    assert_eq!(s.end.map(|e| (e.samples, e.packets)), Some((3200, 220)));
     // The clock wraps inside.
     assert!(
         (s.seconds - 20.0 * 0.016_667).abs() < 1e-9,
@@ -91,7 +92,7 @@ fn the_summary_adds_up() {
     assert!(s.indexed);
     // Lose a Samples packet of the third refresh.
     let mut cut = frames();
-    cut.remove(2 * 9 + 5);
+    cut.remove(2 * 11 + 7);
     let s = Summary::of(&cut.concat()).unwrap();
     assert_eq!(
         (s.samples, s.lost, s.timeline[2].lost, s.timeline[2].samples),

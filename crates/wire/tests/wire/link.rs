@@ -27,7 +27,7 @@ fn make_frames() -> Vec<Vec<u8>> {
     };
     for i in 0..20u32 {
         let time = Tick(u32::MAX - 100_000).after(i * 16_667);
-        w.hello(&hello(Layout::World, true), &mut sink).unwrap();
+        w.hello(&lit(1), &mut sink).unwrap();
         let view = View {
             time,
             eye: [1, 2, 3],
@@ -42,6 +42,10 @@ fn make_frames() -> Vec<Vec<u8>> {
             translation: [7; 3],
         };
         w.poses(time, &[pose; 3], &mut sink).unwrap();
+        w.lamps(time, &[LAMP], &mut sink).unwrap();
+        let corners = [[1, 2, 3], [-1, 0, 500], [40, i16::MIN, 7]];
+        w.shape(1, 2, 3, &corners, &[[0, 1, 2], [2, 1, 0]], &mut sink)
+            .unwrap();
         let nodes = [TileNode::Split(Axis::X), tile(0, 128), tile(128, 128)];
         w.tiles(
             time,
@@ -56,7 +60,8 @@ fn make_frames() -> Vec<Vec<u8>> {
         )
         .unwrap();
         for _ in 0..4 {
-            let (world, _) = samples(&mut rng, 40, 0.0, 0.0, true);
+            let (mut world, _) = samples(&mut rng, 40, 0.0, 0.0, true);
+            world.iter_mut().for_each(|s| s.shares = smooth(s.place, 1));
             w.world_samples(time, &world, &mut sink).unwrap();
         }
         w.refresh(Refresh { time, index: i }, &mut sink).unwrap();
@@ -71,11 +76,17 @@ fn drain(bytes: &[u8]) -> (usize, Counters) {
     let mut receiver = Receiver::new();
     let mut input = bytes;
     let mut items = 0;
+    let mut announced_lamps = 0;
     while let Some(packet) = receiver.push(&mut input) {
         match packet {
+            Packet::Hello(hello) => {
+                announced_lamps = hello.lamps;
+                items += 1;
+            }
             Packet::World(s) => {
                 let announced = s.len();
-                let n = s.count();
+                let beyond = |s: &WorldSample| u32::from(s.shares.0) >> (4 * announced_lamps);
+                let n = s.inspect(|s| assert_eq!(beyond(s), 0)).count();
                 assert!(n <= announced && announced <= MAX_SAMPLES);
                 items += n;
             }
@@ -89,6 +100,18 @@ fn drain(bytes: &[u8]) -> (usize, Counters) {
                     assert!(t.h > 0 && t.y >= r.y && t.y + t.h <= r.y + r.h);
                     items += 1;
                 }
+            }
+            Packet::Lamps(lamps) => {
+                assert_eq!(lamps.len(), usize::from(announced_lamps));
+                let valid = lamps.inspect(|lamp| assert!(lamp.is_valid()));
+                items += valid.count();
+            }
+            Packet::Shape(shape) => {
+                assert!((1..SKY).contains(&shape.object()));
+                assert!(u16::from(shape.part()) < shape.parts());
+                let announced = shape.len();
+                assert_eq!(shape.count(), announced);
+                items += announced;
             }
             _ => items += 1,
         }
@@ -117,9 +140,11 @@ proptest! {
     }
 
     #[test]
-    fn forged_contents_stay_in_range(kind in 0u8..14, screen in any::<bool>(), payload in vec(any::<u8>(), 0..2000), head in any::<[u8; 4]>()) {
+    fn forged_contents_stay_in_range(kind in 0u8..16, screen in any::<bool>(), lamps in 0u8..=2, payload in vec(any::<u8>(), 0..2000), head in any::<[u8; 4]>()) {
         let layout = if screen { Layout::Screen } else { Layout::World };
-        let mut bytes = written(|w, mut sink| w.hello(&hello(layout, !screen), &mut sink).unwrap());
+        let lamps = if screen { 0 } else { lamps };
+        let greeting = Hello { lamps, ..hello(layout, !screen) };
+        let mut bytes = written(|w, mut sink| w.hello(&greeting, &mut sink).unwrap());
         bytes.extend(forged(kind, 1, &payload));
         // A region that is legal, so that the tree is reached.
         let mut tiles = vec![head[0], 0, 0, 0, 0, 0, 0, 0, head[1].max(1), 0, head[2].max(1), 0, head[3] & 7];
@@ -129,11 +154,25 @@ proptest! {
         let mut world = vec![1, 2, 3, 4, 0, 0, head[0]];
         world.extend(&payload[..payload.len().min(1900)]);
         bytes.extend(forged(5, 3, &world));
+        // Lamps of the right length, and places that are small enough now and then.
+        let mut bright = vec![0; 4];
+        for lamp in payload.chunks_exact(17).take(usize::from(lamps)) {
+            bright.extend([lamp[0] & 1]);
+            lamp[1..13].chunks_exact(4).for_each(|c| bright.extend([c[0], c[1], c[2], head[0]]));
+            bright.extend(&lamp[13..]);
+        }
+        bytes.extend(forged(13, 4, &bright));
+        // A shape of the right length, whose indices are small.
+        let (vertices, triangles) = (usize::from(head[1] & 127) + 1, usize::from(head[2] & 127) + 1);
+        let mut shape = vec![head[0], head[3] >> 1, head[3], vertices as u8 - 1, triangles as u8 - 1];
+        shape.extend(payload.iter().cycle().take(6 * vertices));
+        shape.extend(payload.iter().map(|b| b & head[1] & 127).cycle().take(3 * triangles));
+        bytes.extend(forged(14, 5, &shape));
         let (items, counters) = drain(&bytes);
         prop_assert!(items >= 1);
         prop_assert_eq!(counters.lost, 0);
         let sum = counters.received + counters.damaged + counters.unknown;
-        prop_assert_eq!(sum, 4);
+        prop_assert_eq!(sum, 6);
     }
 
     #[test]
@@ -225,17 +264,13 @@ fn packets_before_the_first_hello_are_not_guessed_at() {
     let frames = frames();
     let (packets, c) = receive(&frames[1..].concat(), 64);
     assert!(matches!(packets[0], Owned::Hello(_)));
-    assert_eq!((c.early, c.lost, c.damaged), (8, 0, 0));
+    assert_eq!((c.early, c.lost, c.damaged), (10, 0, 0));
 }
 
 #[test]
 fn another_version_or_schema_is_a_typed_error() {
     let hello = written(|w, mut sink| w.hello(&hello(Layout::World, true), &mut sink).unwrap());
-    let mut decoded = vec![0xA5; hello.len()];
-    let n = cobs::decode(&hello[..hello.len() - 1], &mut decoded)
-        .unwrap()
-        .frame_size();
-    let payload = &decoded[3..n - 4];
+    let payload = &payload_of(&hello)[..];
     let damage = |payload: &[u8]| {
         let frame = forged(1, 0, payload);
         let mut receiver = Receiver::new();
@@ -262,4 +297,129 @@ fn another_version_or_schema_is_a_typed_error() {
     );
     // Width 256 is 00 01: without the high byte it is 0.
     assert_eq!(damage(&with(10, 0)), Some(Damage::Contents));
+    // Three lamps, or one on the screen.
+    assert_eq!(damage(&with(40, 3)), Some(Damage::Contents));
+    let mut screen = with(13, 0);
+    screen[40] = 1;
+    assert_eq!(damage(&screen), Some(Damage::Contents));
+}
+
+/// The payload of a whole frame.
+fn payload_of(frame: &[u8]) -> Vec<u8> {
+    let mut packet = vec![0xA5; frame.len()];
+    let n = cobs::decode(&frame[..frame.len() - 1], &mut packet)
+        .unwrap()
+        .frame_size();
+    packet[3..n - 4].to_vec()
+}
+
+/// What a receiver that has seen `greeting` thinks of a packet.
+fn judged(greeting: &Hello, kind: Kind, payload: &[u8]) -> Result<Owned, Option<Damage>> {
+    let mut bytes = written(|w, mut sink| w.hello(greeting, &mut sink).unwrap());
+    bytes.extend(forged(kind as u8, 1, payload));
+    let mut receiver = Receiver::new();
+    let mut input = &bytes[..];
+    assert!(matches!(receiver.push(&mut input), Some(Packet::Hello(_))));
+    let packet = receiver.push(&mut input).map(Owned::from);
+    packet.ok_or_else(|| receiver.last_damage())
+}
+
+const REFUSED: Result<Owned, Option<Damage>> = Err(Some(Damage::Contents));
+
+#[test]
+fn damaged_lamps_are_refused() {
+    let sun = Lamp {
+        kind: LampKind::Directional,
+        place: [-Lamp::UNIT, 0, 1],
+        tint: [65_535, 255],
+    };
+    let frame = written(|w, mut sink| {
+        w.hello(&lit(2), &mut |_: &[u8]| {}).unwrap();
+        w.lamps(Tick(5), &[LAMP, sun], &mut sink).unwrap();
+    });
+    let good = payload_of(&frame);
+    assert_eq!(good.len(), 4 + 2 * 17);
+    let judge = |payload: &[u8]| judged(&lit(2), Kind::Lamps, payload);
+    let lamps = |first, second| Ok(Owned::Lamps(Tick(5), vec![first, second]));
+    assert_eq!(judge(&good), lamps(LAMP, sun));
+    let with = |at: usize, bytes: &[u8]| {
+        let mut p = good.clone();
+        p[at..at + bytes.len()].copy_from_slice(bytes);
+        judge(&p)
+    };
+    // Another number of lamps than the Hello's, and none.
+    assert_eq!(judged(&lit(1), Kind::Lamps, &good), REFUSED);
+    assert_eq!(judged(&lit(0), Kind::Lamps, &good), REFUSED);
+    assert_eq!(judged(&lit(0), Kind::Lamps, &good[..4]), REFUSED);
+    assert_eq!(judge(&good[..21]), REFUSED);
+    assert_eq!(judge(&[&good[..], &[0]].concat()), REFUSED);
+    // An unknown kind; places beyond the edge, at it; no direction; no tint.
+    assert_eq!(with(4, &[2]), REFUSED);
+    let edge = Lamp::MAX_PLACE;
+    for bad in [edge + 1, -edge - 1, i32::MAX, i32::MIN] {
+        assert_eq!(with(9, &bad.to_le_bytes()), REFUSED, "{bad}");
+    }
+    let [x, _, z] = LAMP.place;
+    let far = Lamp {
+        place: [x, -edge, z],
+        ..LAMP
+    };
+    assert_eq!(with(9, &(-edge).to_le_bytes()), lamps(far, sun));
+    let unit = Lamp::UNIT;
+    for bad in [unit + 1, -unit - 1] {
+        assert_eq!(with(22, &bad.to_le_bytes()), REFUSED, "{bad}");
+    }
+    assert_eq!(with(22, &[0; 12]), REFUSED);
+    for tint in [17, 19, 34, 36] {
+        assert_eq!(with(tint, &[0, 0]), REFUSED, "tint at {tint}");
+    }
+}
+
+#[test]
+fn damaged_shapes_are_refused() {
+    let vertices = [[1, 2, 3], [-4, 5, -6], [i16::MAX, i16::MIN, 0], [7, 7, 7]];
+    let frame = written(|w, mut sink| {
+        w.hello(&lit(0), &mut |_: &[u8]| {}).unwrap();
+        w.shape(9, 1, 2, &vertices, &[[0, 1, 2], [3, 2, 1]], &mut sink)
+            .unwrap();
+    });
+    let good = payload_of(&frame);
+    assert_eq!(good.len(), 5 + 4 * 6 + 2 * 3);
+    let judge = |payload: &[u8]| judged(&lit(0), Kind::Shape, payload);
+    let [a, b, c, d] = vertices;
+    let shape = |object, part, parts| {
+        Ok(Owned::Shape(
+            object,
+            part,
+            parts,
+            vec![[a, b, c], [d, c, b]],
+        ))
+    };
+    assert_eq!(judge(&good), shape(9, 1, 2));
+    let with = |at: usize, value: u8| {
+        let mut p = good.clone();
+        p[at] = value;
+        judge(&p)
+    };
+    // The static world and the sky move no shadow.
+    assert_eq!(with(0, 0), REFUSED);
+    assert_eq!(with(0, SKY), REFUSED);
+    assert_eq!(with(0, 254), shape(254, 1, 2));
+    // A part beyond the last; the most parts.
+    assert_eq!(with(1, 2), REFUSED);
+    assert_eq!(with(2, 0), REFUSED);
+    assert_eq!(with(2, 255), shape(9, 1, 256));
+    // Numbers that contradict the length; an index of no vertex.
+    for at in [3, 4] {
+        assert_eq!(with(at, good[at] + 1), REFUSED);
+        assert_eq!(with(at, good[at] - 1), REFUSED);
+    }
+    for at in good.len() - 6..good.len() {
+        assert_eq!(with(at, 4), REFUSED, "index at {at}");
+        assert!(with(at, 0).is_ok(), "index at {at}");
+    }
+    for len in 0..good.len() {
+        assert_eq!(judge(&good[..len]), REFUSED, "{len} bytes");
+    }
+    assert_eq!(judge(&[&good[..], &[0]].concat()), REFUSED);
 }

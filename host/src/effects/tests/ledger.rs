@@ -87,6 +87,7 @@ fn recorded(scene: Scene) -> (Vec<u8>, Rays) {
     let sampler = Adaptive::new(UVec2::from(SIZE), Config::default());
     let promise = Promise {
         layout: Layout::World,
+        lamps: true,
         tile_fields: TileFields {
             gradients: false,
             lifetime: true,

@@ -20,6 +20,8 @@ pub struct Config {
     pub water_filling: bool,
     /// Whether lifetimes are measured (else they are `lifetime_max` everywhere).
     pub lifetimes: bool,
+    /// Whether samples look from where the eye will be at the end of a span.
+    pub ahead: bool,
     /// Whether a scene that changes wholly is noticed.
     pub cuts: bool,
     /// Time constant in which residuals fade, seconds.
@@ -70,6 +72,7 @@ impl Default for Config {
             residuals: true,
             water_filling: true,
             lifetimes: true,
+            ahead: true,
             cuts: true,
             residual_memory: 0.15,
             gradient_memory: 0.025,

@@ -66,7 +66,12 @@ impl Points {
         let rays = [8, 4, 0].map(|shift| (self.0 >> (care::FEW + shift) & 15) as u8);
         let seed = self.0 & ((1 << care::FEW) - 1);
         let pattern = true;
-        (seed, Care { rays, pattern })
+        let care = Care {
+            rays,
+            pattern,
+            ..Care::default()
+        };
+        (seed, care)
     }
 }
 
@@ -96,6 +101,7 @@ impl Guidance {
         let mut care = Care {
             rays: [config.rays; 3],
             pattern: config.pattern > 0,
+            ..Care::default()
         };
         if !config.guidance {
             return care;
@@ -220,6 +226,7 @@ mod tests {
             let care = Care {
                 rays,
                 pattern: true,
+                ..Care::default()
             };
             assert_eq!(Points::new(seed, care).get(), (seed, care));
         }

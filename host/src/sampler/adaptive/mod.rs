@@ -317,6 +317,10 @@ impl Sampler for Adaptive {
         self.cut.take()
     }
 
+    fn looks_ahead(&self) -> bool {
+        self.config.ahead
+    }
+
     fn effort(&self) -> Option<Effort> {
         let [reprojection, _, tracing, _] = self.stats.seconds;
         Some(Effort {

@@ -56,6 +56,7 @@ mod tests {
         Care {
             rays: [1, rays, 1],
             pattern: true,
+            ..Care::default()
         }
     }
 

@@ -243,6 +243,7 @@ impl Count {
 fn count(world: World, of: fn(&Rays) -> u32) -> Result<Vec<Count>> {
     let promise = Promise {
         layout: Method::Adaptive.layout(),
+        lamps: true,
         tile_fields: Method::Adaptive.tile_fields(),
         rate: RATE,
         refresh_millihertz: 60_000,

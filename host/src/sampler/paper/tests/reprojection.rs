@@ -127,6 +127,7 @@ impl Eye for Turned {
             local: Vec3::ZERO,
             depth: 1.0,
             rays: Rays::default(),
+            shares: unframed_wire::Shares::default(),
         }
     }
 
