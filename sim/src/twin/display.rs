@@ -1,6 +1,7 @@
 //! The display: packets in, pictures out. Twin of [`unframed_recon::Display`], method by method;
 //! what it does to single samples and pixels runs in shaders.
 
+use super::light::OwnLights;
 use super::memory::{Memory, PENDING, STORED};
 use super::params::{self, Params, Transform};
 use super::refresh::{self, prefix_sum};
@@ -17,7 +18,7 @@ use unframed_recon::rest::{Rest, Step};
 use unframed_recon::tiles::{Cell, TileMap};
 use unframed_recon::transform::{pose_is_sound, view_is_sound};
 use unframed_recon::{Arith, Fixed, Panel};
-use unframed_wire::{Hello, Layout, MAX_SAMPLES, Packet, Pose, Refresh, Tick, View};
+use unframed_wire::{Hello, Layout, MAX_SAMPLES, Packet, Pose, Refresh, Shares, Tick, View};
 
 /// Slots of poses: the sky's and all objects'.
 const SLOTS: usize = 256;
@@ -36,6 +37,7 @@ pub(super) struct GpuDisplay<'g> {
     pub(super) cells: Vec<Cell>,
     cells_changed: bool,
     pub(super) slots: Vec<Slot<Fixed>>,
+    lights: OwnLights,
     pub(super) motion: Motion,
     pub(super) rest: Rest,
     pub(super) averaged: bool,
@@ -92,6 +94,7 @@ impl<'g> GpuDisplay<'g> {
             cells: vec![Cell::default(); (params.columns * params.rows) as usize],
             cells_changed: true,
             slots: vec![Slot::default(); SLOTS],
+            lights: OwnLights::new(),
             motion: Motion::new(),
             rest: Rest::new(),
             averaged: false,
@@ -161,6 +164,7 @@ impl<'g> GpuDisplay<'g> {
                         rgb: sample.rgb,
                         slot: slot(sample.object),
                         placing: Placing::Lattice,
+                        shares: sample.shares,
                     };
                     self.sample(Layout::World, &stored);
                 });
@@ -175,21 +179,21 @@ impl<'g> GpuDisplay<'g> {
                         rgb: sample.rgb,
                         slot: 0,
                         placing: Placing::Screen,
+                        shares: Shares::default(),
                     };
                     self.sample(Layout::Screen, &stored);
                 });
             }
+            Packet::Lamps(lamps) => {
+                self.counts.refused += self.lights.lamps(lamps);
+            }
+            Packet::Shape(shape) => self.counts.refused += self.lights.shape(&shape),
             Packet::Cut(_) => self.cut()?,
             Packet::Refresh(refresh) => {
                 self.refresh(&refresh)?;
                 return Ok(Some(refresh));
             }
-            Packet::End(_)
-            | Packet::Status(_)
-            | Packet::Index(_)
-            | Packet::Trailer(_)
-            | Packet::Lamps(_)
-            | Packet::Shape(_) => {}
+            Packet::End(_) | Packet::Status(_) | Packet::Index(_) | Packet::Trailer(_) => {}
         }
         Ok(None)
     }
@@ -204,6 +208,7 @@ impl<'g> GpuDisplay<'g> {
             self.cells.fill(Cell::default());
             self.cells_changed = true;
             self.slots.fill(Slot::default());
+            self.lights.clear();
             self.view = None;
             self.transforms_changed = true;
         }
@@ -407,6 +412,8 @@ impl<'g> GpuDisplay<'g> {
         }
         if self.config.mode == Mode::SpaceTime {
             self.compose()?;
+            self.lights
+                .prepare(self.gpu, &self.slots, &self.memory.light)?;
             self.tell(refresh.time)?;
             let step = self.step(refresh.time)?;
             self.reach(refresh.time)?;

@@ -3,17 +3,24 @@
 
 use std::mem::{offset_of, size_of};
 
+use super::light::Lamps;
 use super::params::{self, Fresh, Level, Params, Transform};
 use super::stages::{
-    ALL, AVERAGE, BLOCK, DROP_HIDDEN, GATHER_MEANS, GROUP, LOOK, PROJECT, PULL, SCAN_ADD, Source,
+    ALL, AVERAGE, BLOCK, DROP_HIDDEN, GATHER_MEANS, GROUP, LOOK, PROJECT, PULL, SCAN_ADD, SORT,
+    Source,
 };
 use super::tables::{DISTANCES, Tables};
 use unframed_recon::deep::{Placing, Stored, slot};
+use unframed_recon::light::{
+    self,
+    toward::{self, Toward},
+};
 use unframed_recon::motion::{BUCKET_BITS, BUCKETS};
 use unframed_recon::rest;
 use unframed_recon::tables::TIME_LEN;
 use unframed_recon::taps;
 use unframed_recon::tiles::{CELL_BITS, LONGEST, RESTS};
+use unframed_wire::{LAMPS, Shares};
 
 fn module(source: &Source) -> naga::Module {
     let text = source.whole().join("\n");
@@ -72,11 +79,20 @@ fn structs_lie_as_the_shaders_read_them() {
             cutoff
         ]
     );
+    same_layout!(
+        &SORT,
+        Lamps,
+        [windows_len, directional, faces, windows, parts, towards]
+    );
+    assert_eq!(reflected(&SORT, "Window").1, size_of::<[u32; 8]>());
+    same_layout!(&SORT, Toward, [matrix, offset]);
     same_layout!(&AVERAGE, Fresh, [first, count, padding]);
     same_layout!(
         &PROJECT,
         Tables,
-        [log2_q11, exp2_q15, time, light, srgb_from, srgb_guess, taps]
+        [
+            log2_q11, exp2_q15, time, light, linear, srgb_from, srgb_guess, taps
+        ]
     );
     same_layout!(
         &PROJECT,
@@ -124,6 +140,14 @@ fn constants_are_the_shaders() {
     assert_eq!(constant(&DROP_HIDDEN, "BUCKETS") as usize, BUCKETS);
     assert_eq!(constant(&DROP_HIDDEN, "BUCKET_BITS"), BUCKET_BITS);
     assert_eq!(constant(&PROJECT, "STATIC_SLOT"), u32::from(slot(0)));
+    assert_eq!(constant(&SORT, "LAMPS") as usize, LAMPS);
+    assert_eq!(constant(&SORT, "FACES") as usize, toward::FACES);
+    assert_eq!(constant(&SORT, "FACE_BITS"), toward::FACE_BITS);
+    assert_eq!(constant(&SORT, "PLANE") as i32, toward::PLANE);
+    assert_eq!(constant(&SORT, "NOTHING"), u32::from(toward::NOTHING));
+    assert_eq!(constant(&SORT, "WHOLE"), light::WHOLE);
+    assert_eq!(constant(&SORT, "CODES") as usize, light::CODES);
+    assert_eq!(constant(&SORT, "WINDOWS") as usize, light::map::WINDOWS);
     assert_eq!(constant(&AVERAGE, "FULL"), rest::FULL);
     assert_eq!(constant(&AVERAGE, "PRIOR"), rest::PRIOR);
     assert_eq!(constant(&AVERAGE, "RESTS"), u32::from(RESTS.0));
@@ -147,6 +171,7 @@ fn a_stored_sample_is_its_own_sixteen_bytes() {
         rgb: [11, 12, 13],
         slot: 14,
         placing: Placing::Screen,
+        shares: Shares(15),
     };
     let words = params::stored(&sample);
     let bytes: &[u8] = bytemuck::cast_slice(&words);
@@ -158,6 +183,7 @@ fn a_stored_sample_is_its_own_sixteen_bytes() {
     assert_eq!(bytes[offset_of!(Stored, rgb)..][..3], [11, 12, 13]);
     assert_eq!(bytes[offset_of!(Stored, slot)], 14);
     assert_eq!(bytes[offset_of!(Stored, placing)], 2);
+    assert_eq!(bytes[offset_of!(Stored, shares)], 15);
     assert_eq!(bytes.len(), size_of::<Stored>());
     assert_eq!(
         [Placing::Empty, Placing::Lattice, Placing::Screen].map(|p| p as u32),

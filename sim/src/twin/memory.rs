@@ -1,5 +1,6 @@
 //! The buffers of a display on the adapter, and the levels of its pyramids.
 
+use super::light::WORDS as LIGHT;
 use super::params::{Level, Params, Transform};
 use super::stages::{BLOCK, varies};
 use super::tables::Tables;
@@ -10,6 +11,7 @@ use unframed_recon::arith::GUARD;
 use unframed_recon::config::{Config, Extents, Fit, Mode};
 use unframed_recon::fill::pyramid_len;
 use unframed_recon::hidden::{CELLS, minima_len};
+use unframed_recon::light;
 use unframed_recon::motion::BUCKETS;
 
 /// Samples that may wait for their upload.
@@ -81,6 +83,8 @@ pub(crate) struct Memory {
     pub(crate) means: Words,
     /// Which samples are new, as a uniform.
     pub(crate) fresh: Words,
+    /// Lamps and what stands before them: [`LIGHT`] words, then the texels of the shadow maps.
+    pub(crate) light: Words,
     /// How many samples just arrived, as a uniform.
     pub(crate) arrived: Words,
     pub(crate) pending: Words,
@@ -152,6 +156,7 @@ impl Memory {
             picture: of("picture", true, pixels, 1)?,
             means: of("means", config.averages(), pixels, MEAN)?,
             fresh: of("fresh", true, 4, 1)?,
+            light: of("light", filters, LIGHT + light::TEXELS.div_ceil(2), 1)?,
             arrived: of("arrived", true, 4, 1)?,
             pending: of("pending", arrives, PENDING, STORED)?,
             placed: of("placed", arrives, PENDING, 1)?,

@@ -10,10 +10,11 @@
 //! | | `splat` | `scan_*`, `sort`, `masses`, `widths`, `gather` |
 //! | | `solve`, `fill`, `encode` | `means` or `planes`, `pull`, `push`, `encode` |
 //! | `rest` | `rest` | `rest`, `average`; `mean` |
+//! | `light` | `light` | `light`, `srgb`, in `sort` and `average` |
 //! | `tables`, `params`, `memory`, `stages` | `tables`, `memory` | `common`, `num`, `fixed`, `texel`, `level` |
 //!
-//! Packets, tiles, the composition of view and poses and the ways they travelled (a few objects a
-//! refresh) stay on the processor; everything that happens to each sample or pixel happens here in shaders. The deep
+//! Packets, tiles, the composition of view and poses, the ways they travelled (a few objects a
+//! refresh) and the drawing of shadow maps stay on the processor; everything that happens to each sample or pixel happens here in shaders. The deep
 //! buffer is uploaded once a sample.
 //!
 //! The one difference in structure: Rust scatters each sample to the pixels of its footprint, the
@@ -26,6 +27,7 @@
 mod display;
 #[cfg(test)]
 mod layout_tests;
+mod light;
 mod memory;
 mod params;
 mod probe;

@@ -116,7 +116,7 @@ pub(crate) struct Level {
     pub(crate) top: u32,
 }
 
-/// A stored sample as the words that its 16 bytes are; the unused last byte is 0.
+/// A stored sample as the words that its 16 bytes are.
 pub(crate) fn stored(sample: &Stored) -> [u32; 4] {
     let [x, y, z] = sample.place.map(|v| u32::from(v as u16));
     let [r, g, b] = sample.rgb.map(u32::from);
@@ -125,7 +125,7 @@ pub(crate) fn stored(sample: &Stored) -> [u32; 4] {
         sample.time,
         x | y << 16,
         z | r << 16 | g << 24,
-        b | slot << 8 | placing << 16,
+        b | slot << 8 | placing << 16 | u32::from(sample.shares.0) << 24,
     ]
 }
 

@@ -58,6 +58,7 @@ pub(super) fn arrange(
         &m.starts,
         &m.counts,
         &m.sorted,
+        &m.light,
     ];
     r.run(&stages.sort, &buffers, len)?;
     if let Some(Density { masses, widths }) = &stages.density {
@@ -142,7 +143,14 @@ pub(super) fn average(
     let m = memory;
     let mut recorder = Recorder { batch, memory };
     recorder.run(&stages.rest, &[&m.cells, &m.means], m.picture.len())?;
-    let buffers = [&m.fresh, &m.samples, &m.transforms, &m.cells, &m.means];
+    let buffers = [
+        &m.fresh,
+        &m.samples,
+        &m.transforms,
+        &m.cells,
+        &m.means,
+        &m.light,
+    ];
     recorder.run(&stages.average, &buffers, count)
 }
 

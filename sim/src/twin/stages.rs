@@ -50,6 +50,9 @@ macro_rules! file {
     };
 }
 
+/// What [`SORT`], [`AVERAGE`] and [`ENCODE`] know of codes.
+const SRGB: &str = file!("srgb");
+
 source!(
     PROJECT,
     [file!("project")],
@@ -78,8 +81,8 @@ source!(SCAN_SUMS, [file!("scan_sums")], [Uniform, Write, Write]);
 source!(SCAN_ADD, [file!("scan_add")], [Uniform, Write, Read]);
 source!(
     SORT,
-    [file!("sort")],
-    [Read, Read, Read, Read, Write, Write]
+    [SRGB, file!("light"), file!("sort")],
+    [Read, Read, Read, Read, Write, Write, Read]
 );
 source!(MASSES, [file!("masses")], [Read, Read, Write]);
 source!(WIDTHS, [file!("widths")], [Read, Write]);
@@ -109,10 +112,14 @@ const MEAN: &str = file!("mean");
 source!(REST, [MEAN, file!("rest")], [Read, Write]);
 source!(
     AVERAGE,
-    [MEAN, file!("average")],
-    [Uniform, Read, Read, Read, Write]
+    [MEAN, SRGB, file!("light"), file!("average")],
+    [Uniform, Read, Read, Read, Write, Read]
 );
-source!(ENCODE, [TEXEL, MEAN, file!("encode")], [Read, Write, Read]);
+source!(
+    ENCODE,
+    [TEXEL, MEAN, SRGB, file!("encode")],
+    [Read, Write, Read]
+);
 source!(PLACE, [file!("place")], [Uniform, Write, Read, Write]);
 source!(
     STORE,

@@ -22,6 +22,8 @@ pub struct Tables {
     pub time: [u32; TIME_LEN - 1],
     /// Light of each 8-bit code: [`SRGB_TO_LINEAR`] or [`ENCODED`].
     pub light: [u32; 256],
+    /// [`SRGB_TO_LINEAR`], by which lamps dim whatever light is filtered as.
+    pub linear: [u32; 256],
     /// [`SRGB_FROM`].
     pub srgb_from: [u32; 256],
     /// [`SRGB_GUESS`].
@@ -49,6 +51,7 @@ impl Tables {
             exp2_q15: chords(&EXP2_Q15),
             time: chords(time),
             light: light.map(u32::from),
+            linear: SRGB_TO_LINEAR.map(u32::from),
             srgb_from: SRGB_FROM.map(u32::from),
             srgb_guess: SRGB_GUESS.map(u32::from),
             taps: taps(),

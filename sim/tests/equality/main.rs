@@ -1,6 +1,7 @@
 //! The reconstructor on the adapter against the one on the processor: equal to the bit.
 
 mod hard;
+mod light;
 mod rest;
 mod stages;
 mod stream;

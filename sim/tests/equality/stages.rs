@@ -57,6 +57,7 @@ fn contents(bytes: &[u8], map: &mut TileMap<'_>) -> Contents {
                         rgb: s.rgb,
                         slot: slot(s.object),
                         placing: Placing::Lattice,
+                        shares: s.shares,
                     });
                 });
             }

@@ -2,8 +2,8 @@
 
 use unframed_wire::tiles::split;
 use unframed_wire::{
-    Axis, ColourEncoding, Hello, Layout, LogCode, Pose, Rect, Refresh, SKY, ScreenSample, Shares,
-    Tick, Tile, TileFields, TileNode, View, WorldFrame, WorldSample, Writer,
+    Axis, ColourEncoding, Hello, LAMPS, Lamp, Layout, LogCode, Pose, Rect, Refresh, SKY,
+    ScreenSample, Shares, Tick, Tile, TileFields, TileNode, View, WorldFrame, WorldSample, Writer,
 };
 
 /// The splitmix64 generator: seeded test data.
@@ -23,10 +23,13 @@ impl Rng {
         self.next() % n
     }
 
-    fn unit(&mut self) -> f64 {
+    pub(crate) fn unit(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1u64 << 53) as f64
     }
 }
+
+/// Triangles of a part of a shape: few enough for a packet, few enough for several.
+const PART: usize = 5;
 
 /// Moving spheres.
 const MOVERS: u8 = 3;
@@ -38,16 +41,24 @@ pub(crate) struct Stream {
     rng: Rng,
     size: (u16, u16),
     layout: Layout,
+    /// Lamps of which the Hello of a world tells.
+    lamps: u8,
 }
 
 impl Stream {
     pub(crate) fn new(size: (u16, u16), layout: Layout, seed: u64) -> Stream {
+        Stream::lit(size, layout, seed, LAMPS as u8)
+    }
+
+    /// Of so many lamps, where there is a world.
+    pub(crate) fn lit(size: (u16, u16), layout: Layout, seed: u64, lamps: u8) -> Stream {
         let mut stream = Stream {
             bytes: Vec::new(),
             writer: Writer::new(),
             rng: Rng(seed),
             size,
             layout,
+            lamps,
         };
         stream.hello(400_000);
         stream
@@ -71,7 +82,10 @@ impl Stream {
                 origin: [0.0; 3],
                 unit: 0.001,
             },
-            lamps: 0,
+            lamps: match self.layout {
+                Layout::World => self.lamps,
+                Layout::Screen => 0,
+            },
         };
         let sink = &mut |frame: &[u8]| self.bytes.extend_from_slice(frame);
         self.writer.hello(&hello, sink).expect("a sound hello");
@@ -186,6 +200,41 @@ impl Stream {
             .writer
             .world_samples(Tick(time), &vec![sample; count], sink);
         sent.expect("sound samples");
+    }
+
+    /// Any samples of a world that share an instant.
+    pub(crate) fn world_samples(&mut self, time: u32, samples: &[WorldSample]) {
+        let sink = &mut |frame: &[u8]| self.bytes.extend_from_slice(frame);
+        let sent = self.writer.world_samples(Tick(time), samples, sink);
+        sent.expect("sound samples");
+    }
+
+    pub(crate) fn any_poses(&mut self, time: u32, poses: &[Pose]) {
+        let sink = &mut |frame: &[u8]| self.bytes.extend_from_slice(frame);
+        let poses = self.writer.poses(Tick(time), poses, sink);
+        poses.expect("sound poses");
+    }
+
+    pub(crate) fn lamps(&mut self, time: u32, lamps: &[Lamp]) {
+        let sink = &mut |frame: &[u8]| self.bytes.extend_from_slice(frame);
+        let lamps = self.writer.lamps(Tick(time), lamps, sink);
+        lamps.expect("sound lamps");
+    }
+
+    /// The shape of an object in as many parts as it takes.
+    pub(crate) fn shape(&mut self, object: u8, triangles: &[[[i16; 3]; 3]]) {
+        let parts = triangles.chunks(PART);
+        let count = parts.len() as u16;
+        for (part, triangles) in (0..).zip(parts) {
+            let vertices = triangles.as_flattened();
+            let corners = |i: usize| [0, 1, 2].map(|k| (3 * i + k) as u8);
+            let indices: Vec<_> = (0..triangles.len()).map(corners).collect();
+            let sink = &mut |frame: &[u8]| self.bytes.extend_from_slice(frame);
+            let shape = self
+                .writer
+                .shape(object, part, count, vertices, &indices, sink);
+            shape.expect("a sound shape");
+        }
     }
 
     pub(crate) fn cut(&mut self, time: u32) {

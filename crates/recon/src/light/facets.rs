@@ -67,6 +67,16 @@ impl<'a> Facets<'a> {
         }
     }
 
+    /// The same over other storage, which holds what this one's held.
+    pub(super) fn over(self, facets: &mut [Facet]) -> Facets<'_> {
+        Facets {
+            facets,
+            len: self.len,
+            casters: self.casters,
+            count: self.count,
+        }
+    }
+
     /// Forgets everything.
     pub fn clear(&mut self) {
         self.len = 0;

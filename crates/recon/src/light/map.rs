@@ -48,6 +48,7 @@ pub struct Maps<'a> {
     count: usize,
     /// Where the windows of each face of each lamp begin.
     faces: [u8; LAMPS * FACES + 1],
+    drawings: u32,
 }
 
 impl<'a> Maps<'a> {
@@ -58,6 +59,18 @@ impl<'a> Maps<'a> {
             windows: [Window::default(); WINDOWS],
             count: 0,
             faces: [0; LAMPS * FACES + 1],
+            drawings: 0,
+        }
+    }
+
+    /// The same over other storage, which holds what this one's held.
+    pub(super) fn over(self, texels: &mut [u16]) -> Maps<'_> {
+        Maps {
+            texels,
+            windows: self.windows,
+            count: self.count,
+            faces: self.faces,
+            drawings: self.drawings,
         }
     }
 
@@ -86,10 +99,19 @@ impl<'a> Maps<'a> {
         &self.faces
     }
 
-    /// All texels.
+    /// The texels of all windows.
     #[must_use]
     pub fn texels(&self) -> &[u16] {
-        self.texels
+        let used = self.windows().last().map_or(0, |last| {
+            last.first as usize + usize::from(last.size[0]) * usize::from(last.size[1])
+        });
+        self.texels.get(..used).unwrap_or(&[])
+    }
+
+    /// How often they were drawn, modulo 2^32.
+    #[must_use]
+    pub fn drawings(&self) -> u32 {
+        self.drawings
     }
 
     /// The windows of a face.
@@ -124,6 +146,7 @@ impl<'a> Maps<'a> {
         towards: &[[Toward; LAMPS]],
     ) {
         self.clear();
+        self.drawings = self.drawings.wrapping_add(1);
         let lamps = kinds.iter().flatten().count().max(1);
         let budget = (self.texels.len() / lamps).min(u32::MAX as usize);
         let mut first = 0;

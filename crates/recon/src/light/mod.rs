@@ -109,6 +109,20 @@ impl<'a> Lights<'a> {
         }
     }
 
+    /// The same over other storage, which holds what this one's held: for an owner of storage that
+    /// lends it only while lights are used, and keeps them over none.
+    #[must_use]
+    pub fn over(self, memory: Memory<'_>) -> Lights<'_> {
+        Lights {
+            lamps: self.lamps,
+            parts: self.parts,
+            facets: self.facets.over(memory.facets),
+            towards: memory.towards,
+            maps: self.maps.over(memory.texels),
+            stale: self.stale,
+        }
+    }
+
     /// Forgets lamps and shapes.
     pub fn clear(&mut self) {
         self.lamps = [None; LAMPS];

@@ -152,7 +152,11 @@ pub fn facing(kind: LampKind, face: usize, place: [i32; 3]) -> [i32; 3] {
     let at = |i: usize| place.get(i).copied().unwrap_or(0);
     let axis = face / 2;
     let (b, c) = others(axis);
-    let ahead = if face % 2 == 0 { at(axis) } else { -at(axis) };
+    let ahead = if face.is_multiple_of(2) {
+        at(axis)
+    } else {
+        -at(axis)
+    };
     [at(b), at(c), ahead]
 }
 

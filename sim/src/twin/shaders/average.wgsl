@@ -14,6 +14,7 @@ struct Fresh {
 @group(0) @binding(5) var<storage, read> cells: array<vec2<u32>>;
 // Four words a pixel, see Mean.
 @group(0) @binding(6) var<storage, read_write> means: array<atomic<u32>>;
+@group(0) @binding(7) var<storage, read> light: Light;
 
 @compute @workgroup_size(64)
 fn main(
@@ -36,7 +37,7 @@ fn main(
     let y = pixel(seen.y);
     let inside = x >= 0i && y >= 0i && x < params.width && y < params.height;
     if !seen.visible || !inside || !rests(cells[cell_of(x, y)]) { return; }
-    let code = rgb(sample);
+    let code = relight(sample);
     let mean = 4u * nearest_pixel(x, y);
     atomicAdd(&means[mean], tables.light[code.x]);
     atomicAdd(&means[mean + 1u], tables.light[code.y]);

@@ -36,6 +36,7 @@ struct Tables {
     exp2_q15: array<u32, 256>,
     time: array<u32, 3071>,
     light: array<u32, 256>,
+    linear: array<u32, 256>,
     srgb_from: array<u32, 256>,
     srgb_guess: array<u32, 4096>,
     taps: array<u32, 6272>,

@@ -6,12 +6,6 @@
 @group(0) @binding(3) var<storage, read_write> picture: array<u32>;
 @group(0) @binding(4) var<storage, read> means: array<Mean>;
 
-fn linear_to_srgb(light: u32) -> u32 {
-    let code = tables.srgb_guess[light >> 4u];
-    if code < 255u && tables.srgb_from[code + 1u] <= light { return code + 1u; }
-    return code;
-}
-
 fn code(light: u32) -> u32 {
     if params.encoded != 0u { return ((light + 128u) / 257u) & 0xffu; }
     return linear_to_srgb(light);

@@ -1,5 +1,6 @@
 // Brings the samples that count into the order of their pixels: the last step of a counting sort.
-// Within a pixel the order is any, and the sums do not depend on it. Counts go back to zero.
+// Here they get their light of the instant, which the processor gives them when it weighs them: hidden
+// ones need none. Within a pixel the order is any, and the sums do not depend on it. Counts go back to zero.
 
 @group(0) @binding(2) var<storage, read> ring: Ring;
 @group(0) @binding(3) var<storage, read> samples: array<Stored>;
@@ -7,6 +8,7 @@
 @group(0) @binding(5) var<storage, read> starts: array<u32>;
 @group(0) @binding(6) var<storage, read_write> counts: array<atomic<u32>>;
 @group(0) @binding(7) var<storage, read_write> sorted: array<vec4<u32>>;
+@group(0) @binding(8) var<storage, read> light: Light;
 
 @compute @workgroup_size(64)
 fn main(
@@ -21,7 +23,7 @@ fn main(
     if weight == 0u { return; }
     let bin = bin_at(pixel(low16(sample.at)), pixel(sample.at >> 16u));
     let slot = starts[bin] + atomicSub(&counts[bin], 1u) - 1u;
-    let code = rgb(samples[i]);
+    let code = relight(samples[i]);
     // Coordinates; red and green light; blue light and weight; widths.
     sorted[slot] = vec4<u32>(
         sample.at,
