@@ -4,16 +4,21 @@
 
 use libfuzzer_sys::fuzz_target;
 use unframed_wire::{
-    ColourEncoding, Hello, Layout, MAX_PACKET, Packet, Receiver, TileFields, WorldFrame, Writer,
-    frame, recording,
+    ColourEncoding, Hello, LAMPS, Layout, MAX_PACKET, Packet, Receiver, SKY, TileFields, WorldFrame,
+    WorldSample, Writer, frame, recording,
 };
 
 fn drain(receiver: &mut Receiver, mut input: &[u8]) {
     let before = receiver.counters().bytes;
+    let mut lamps = receiver.hello().map_or(0, |h| h.lamps);
     let len = input.len() as u64;
     while let Some(packet) = receiver.push(&mut input) {
         match packet {
-            Packet::World(samples) => assert!(samples.count() <= 256),
+            Packet::Hello(hello) => lamps = hello.lamps,
+            Packet::World(samples) => {
+                let told = |s: &WorldSample| u32::from(s.shares.0) >> (4 * lamps) == 0;
+                assert!(samples.inspect(|s| assert!(told(s))).count() <= 256);
+            }
             Packet::Screen(samples) => {
                 samples.for_each(|s| assert!(s.x < 16 * 64 && s.y < 16 * 48));
             }
@@ -22,6 +27,15 @@ fn drain(receiver: &mut Receiver, mut input: &[u8]) {
                 assert!(t.rect.h > 0 && t.rect.y + t.rect.h <= 48);
             }),
             Packet::Poses(poses) => poses.for_each(|p| assert!(p.frac_bits <= 31)),
+            Packet::Lamps(found) => {
+                assert_eq!(found.inspect(|l| assert!(l.is_valid())).count(), usize::from(lamps));
+            }
+            Packet::Shape(shape) => {
+                assert!((1..SKY).contains(&shape.object()));
+                assert!(u16::from(shape.part()) < shape.parts());
+                let triangles = shape.len();
+                assert_eq!(shape.count(), triangles);
+            }
             _ => {}
         }
     }
@@ -68,7 +82,7 @@ fuzz_target!(|data: &[u8]| {
         rate: 1,
         refresh_millihertz: 1,
         world: WorldFrame { origin: [0.0; 3], unit: 1.0 },
-        lamps: 0,
+        lamps: if layout == Layout::World { (choice >> 4) % (LAMPS as u8 + 1) } else { 0 },
     };
     let mut receiver = Receiver::new();
     let mut bytes = Vec::new();

@@ -9,7 +9,7 @@ use independent::{Decoded, decode};
 use room::Rng;
 use unframed_wire::*;
 
-fn hello(layout: Layout) -> Hello {
+fn hello(layout: Layout, lamps: u8) -> Hello {
     Hello {
         width: 256,
         height: 256,
@@ -27,7 +27,7 @@ fn hello(layout: Layout) -> Hello {
             origin: [0.5, -1.0, 2.0],
             unit: 0.001,
         },
-        lamps: 0,
+        lamps,
     }
 }
 
@@ -59,6 +59,35 @@ fn tree(rng: &mut Rng, region: Rect, out: &mut Vec<TileNode>) {
     }));
 }
 
+/// A lamp of either kind, anywhere.
+fn lamp(rng: &mut Rng) -> Lamp {
+    let (kind, edge) = match rng.bits() & 1 {
+        0 => (LampKind::Point, Lamp::MAX_PLACE),
+        _ => (LampKind::Directional, Lamp::UNIT),
+    };
+    let mut along = || ((2.0 * rng.unit() - 1.0) * f64::from(edge)) as i32;
+    Lamp {
+        kind,
+        place: [along(), along(), -edge],
+        tint: [1 + (along() & 0x7fff) as u16, 1],
+    }
+}
+
+/// Vertices and triangles, as many as a packet holds.
+fn surface(rng: &mut Rng) -> (Vec<[i16; 3]>, Vec<[u8; 3]>) {
+    let vertices = 1 + rng.bits() as usize % 256;
+    let triangles = (1..=256).rev().find(|&n| Shape::fits(vertices, n)).unwrap();
+    let mut any = |below: usize| rng.bits() as usize % below;
+    let vertices: Vec<_> = (0..vertices)
+        .map(|_| [0; 3].map(|_: u8| any(65_536) as i16))
+        .collect();
+    let corners = vertices.len();
+    let triangles = (0..triangles)
+        .map(|_| [0; 3].map(|_: u8| any(corners) as u8))
+        .collect();
+    (vertices, triangles)
+}
+
 /// A stream of both kinds of regular and irregular samples, and what went into it.
 struct Sent {
     bytes: Vec<u8>,
@@ -66,17 +95,20 @@ struct Sent {
     tiles: Vec<independent::Tile>,
     views: Vec<independent::View>,
     poses: Vec<independent::Pose>,
+    lamps: Vec<independent::Lamp>,
+    shapes: Vec<independent::Shape>,
     refreshes: Vec<(u32, u32)>,
     packets: u64,
 }
 
-fn send(layout: Layout, seed: u64) -> Sent {
+fn send(layout: Layout, lamps: u8, seed: u64) -> Sent {
     let mut rng = Rng(seed);
     let mut bytes = Vec::new();
     let mut sink = |frame: &[u8]| bytes.extend_from_slice(frame);
     let mut w = Writer::new();
     let (mut samples, mut leaves, mut views) = (Vec::new(), Vec::new(), Vec::new());
     let (mut poses, mut refreshes) = (Vec::new(), Vec::new());
+    let (mut lit, mut shapes) = (Vec::new(), Vec::new());
     let whole = Rect {
         x: 0,
         y: 0,
@@ -86,7 +118,7 @@ fn send(layout: Layout, seed: u64) -> Sent {
     for i in 0..12u32 {
         // The clock wraps on the way.
         let time = Tick(u32::MAX - 80_000).after(16_667 * i);
-        w.hello(&hello(layout), &mut sink).unwrap();
+        w.hello(&hello(layout, lamps), &mut sink).unwrap();
         let mut any = || rng.bits() as i32;
         let view = View {
             time,
@@ -135,6 +167,28 @@ fn send(layout: Layout, seed: u64) -> Sent {
                 translation,
             }
         }));
+        let shining: Vec<Lamp> = (0..lamps).map(|_| lamp(&mut rng)).collect();
+        if lamps > 0 {
+            w.lamps(time, &shining, &mut sink).unwrap();
+        }
+        lit.extend(shining.iter().map(|lamp| independent::Lamp {
+            time: time.0,
+            directional: lamp.kind == LampKind::Directional,
+            place: lamp.place,
+            tint: lamp.tint,
+        }));
+        let (vertices, triangles) = surface(&mut rng);
+        let (object, part) = (1 + i as u8, (2 * i) as u8);
+        let parts = 24 + 21 * i as u16;
+        w.shape(object, part, parts, &vertices, &triangles, &mut sink)
+            .unwrap();
+        let corners = |t: &[u8; 3]| t.map(|at| vertices[usize::from(at)]);
+        shapes.push(independent::Shape {
+            object,
+            part: part.into(),
+            parts,
+            triangles: triangles.iter().map(corners).collect(),
+        });
         let mut nodes = Vec::new();
         tree(&mut rng, whole, &mut nodes);
         w.tiles(time, whole, &nodes, &mut sink).unwrap();
@@ -163,11 +217,24 @@ fn send(layout: Layout, seed: u64) -> Sent {
                     .zip(&world)
                     .for_each(|(s, w)| s.rgb = w.rgb);
             }
-            let (time, sample) = (time, |object, place, rgb| independent::Sample {
-                time: time.0,
-                object,
-                place,
-                rgb,
+            for s in &mut world {
+                // Mostly smooth, the last packets noise.
+                let far = match i {
+                    11 => rng.bits() as u16,
+                    _ => s.place[0].wrapping_add(s.place[2]) as u16,
+                };
+                let codes = [far >> 12, far >> 11].map(|c| c as u8);
+                s.shares =
+                    Shares::new([0, 1].map(|l| if l < lamps { codes[l as usize] } else { 0 }));
+            }
+            let (time, sample) = (time, |object, place, rgb, shares: Shares| {
+                independent::Sample {
+                    time: time.0,
+                    object,
+                    place,
+                    rgb,
+                    shares: [shares.code(0), shares.code(1)],
+                }
             });
             match layout {
                 Layout::World => {
@@ -175,13 +242,17 @@ fn send(layout: Layout, seed: u64) -> Sent {
                     samples.extend(
                         world
                             .iter()
-                            .map(|s| sample(s.object, s.place.map(i32::from), s.rgb)),
+                            .map(|s| sample(s.object, s.place.map(i32::from), s.rgb, s.shares)),
                     );
                 }
                 Layout::Screen => {
                     w.screen_samples(time, &screen, &mut sink).unwrap();
                     let place = |s: &ScreenSample| [i32::from(s.x), i32::from(s.y), 0];
-                    samples.extend(screen.iter().map(|s| sample(0, place(s), s.rgb)));
+                    samples.extend(
+                        screen
+                            .iter()
+                            .map(|s| sample(0, place(s), s.rgb, Shares::default())),
+                    );
                 }
             }
         }
@@ -198,6 +269,8 @@ fn send(layout: Layout, seed: u64) -> Sent {
         tiles: leaves,
         views,
         poses,
+        lamps: lit,
+        shapes,
         refreshes,
         packets,
     }
@@ -211,8 +284,9 @@ fn sorted(decoded: &Decoded) -> Vec<independent::Sample> {
 
 #[test]
 fn both_layouts_decode_to_what_was_sent() {
-    for (layout, seed) in [(Layout::World, 1), (Layout::Screen, 2)] {
-        let sent = send(layout, seed);
+    let world = [0, 1, 2].map(|lamps| (Layout::World, lamps));
+    for (seed, (layout, lamps)) in (1..).zip(world.into_iter().chain([(Layout::Screen, 0)])) {
+        let sent = send(layout, lamps, seed);
         let got = decode(&sent.bytes);
         assert_eq!((got.lost, got.damaged, got.packets), (0, 0, sent.packets));
         assert_eq!(got.hellos.len(), 12);
@@ -231,6 +305,9 @@ fn both_layouts_decode_to_what_was_sent() {
         );
         assert_eq!(got.views, sent.views);
         assert_eq!(got.poses, sent.poses);
+        assert!(got.hellos.iter().all(|h| h.lamps == lamps));
+        assert_eq!(got.lamps, sent.lamps);
+        assert_eq!(got.shapes, sent.shapes);
         assert_eq!(got.tiles, sent.tiles);
         assert_eq!(got.refreshes, sent.refreshes);
         assert_eq!(got.cuts, [77]);
@@ -238,13 +315,16 @@ fn both_layouts_decode_to_what_was_sent() {
             got.end,
             Some((78, sent.samples.len() as u64, sent.packets - 1))
         );
-        assert!(sorted(&got) == sent.samples, "{layout:?}: samples differ");
+        assert!(
+            sorted(&got) == sent.samples,
+            "{layout:?}, {lamps} lamps: samples differ"
+        );
     }
 }
 
 #[test]
 fn a_recording_decodes_with_its_index() {
-    let sent = send(Layout::World, 3);
+    let sent = send(Layout::World, 0, 3);
     let mut recorder = recording::Recorder::new(Vec::new());
     recorder.write(&sent.bytes).unwrap();
     let file = recorder.finish().unwrap();
@@ -269,7 +349,7 @@ fn a_recording_decodes_with_its_index() {
 
 #[test]
 fn damage_is_seen_and_counted_alike() {
-    let sent = send(Layout::World, 4);
+    let sent = send(Layout::World, 2, 4);
     let mut link = fault::LinkFault::new(
         5,
         fault::Faults {
@@ -304,7 +384,7 @@ fn damage_is_seen_and_counted_alike() {
 fn the_decoders_own_parts_are_right() {
     assert_eq!(independent::crc32c(b"123456789"), 0xE306_9283);
     // One wrong bit in a sample packet must not go unnoticed, or the comparisons above are idle.
-    let mut sent = send(Layout::World, 6);
+    let mut sent = send(Layout::World, 0, 6);
     let ends = sent
         .bytes
         .iter()

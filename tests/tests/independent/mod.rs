@@ -16,6 +16,7 @@ pub(crate) struct Hello {
     pub(crate) refresh_millihertz: u32,
     pub(crate) origin: [f32; 3],
     pub(crate) unit: f32,
+    pub(crate) lamps: u8,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -50,6 +51,25 @@ pub(crate) struct Sample {
     pub(crate) object: u8,
     pub(crate) place: [i32; 3],
     pub(crate) rgb: [u8; 3],
+    /// The code of each lamp, 0 without it.
+    pub(crate) shares: [u8; 2],
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Lamp {
+    pub(crate) time: u32,
+    pub(crate) directional: bool,
+    pub(crate) place: [i32; 3],
+    pub(crate) tint: [u16; 2],
+}
+
+/// A part of a shape: its triangles, corner by corner.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Shape {
+    pub(crate) object: u8,
+    pub(crate) part: u16,
+    pub(crate) parts: u16,
+    pub(crate) triangles: Vec<[[i16; 3]; 3]>,
 }
 
 /// All that a stream says, in its order.
@@ -60,6 +80,8 @@ pub(crate) struct Decoded {
     pub(crate) poses: Vec<Pose>,
     pub(crate) tiles: Vec<Tile>,
     pub(crate) samples: Vec<Sample>,
+    pub(crate) lamps: Vec<Lamp>,
+    pub(crate) shapes: Vec<Shape>,
     /// Time and index.
     pub(crate) refreshes: Vec<(u32, u32)>,
     pub(crate) cuts: Vec<u32>,
@@ -94,7 +116,7 @@ pub(crate) fn decode(bytes: &[u8]) -> Decoded {
         }
         expected = Some(sequence.wrapping_add(1));
         let alone = matches!(kind, 1 | 9 | 10 | 11 | 12);
-        if !(1..=12).contains(&kind) || (out.hellos.is_empty() && !alone) {
+        if !(1..=14).contains(&kind) || (out.hellos.is_empty() && !alone) {
             continue;
         }
         match packet(kind, &payload, &mut out) {
@@ -220,14 +242,16 @@ fn packet(kind: u8, payload: &[u8], out: &mut Decoded) -> Option<()> {
                     .push((byte(f).filter(|&k| k < 3)?, word(f)?, number(f, 8)?));
             }
         }
-        _ => out.trailer = Some((number(f, 8)?, word(f)?)),
+        12 => out.trailer = Some((number(f, 8)?, word(f)?)),
+        13 => lamps(f, out)?,
+        _ => out.shapes.push(shape(f)?),
     }
     f.next().is_none().then_some(())
 }
 
 fn hello(f: &mut Fields<'_>) -> Option<Hello> {
     let magic = [byte(f)?, byte(f)?, byte(f)?, byte(f)?];
-    if magic != *b"UFRM" || byte(f)? != 1 || word(f)? != 0xc16d_67ab {
+    if magic != *b"UFRM" || byte(f)? != 1 || word(f)? != 0x5666_3bd1 {
         return None;
     }
     let edge = 1..=4096;
@@ -236,6 +260,7 @@ fn hello(f: &mut Fields<'_>) -> Option<Hello> {
     let flags = byte(f).filter(|&v| v < 4 && v != 2)?;
     let tile_fields = byte(f).filter(|&v| v < 8)?;
     byte(f).filter(|&v| v == 0)?;
+    let most_lamps = if flags & 1 == 1 { 2 } else { 0 };
     Some(Hello {
         width,
         height,
@@ -246,6 +271,60 @@ fn hello(f: &mut Fields<'_>) -> Option<Hello> {
         refresh_millihertz: word(f).filter(|&v| v >= 1)?,
         origin: [finite(f)?, finite(f)?, finite(f)?],
         unit: finite(f).filter(|&v| v > 0.0)?,
+        lamps: byte(f).filter(|&v| v <= most_lamps)?,
+    })
+}
+
+fn lamps(f: &mut Fields<'_>, out: &mut Decoded) -> Option<()> {
+    let count = out.hellos.last()?.lamps;
+    let time = word(f)?;
+    if count == 0 || f.len() != 17 * usize::from(count) {
+        return None;
+    }
+    let mut found = Vec::new();
+    for _ in 0..count {
+        let directional = byte(f).filter(|&kind| kind < 2)? == 1;
+        let place = vector(f)?;
+        let most = if directional { 1i64 << 30 } else { 1 << 29 };
+        let outside = place.iter().any(|&c| i64::from(c).abs() > most);
+        if outside || (directional && place == [0, 0, 0]) {
+            return None;
+        }
+        let tint = [short(f).filter(|&t| t >= 1)?, short(f).filter(|&t| t >= 1)?];
+        found.push(Lamp {
+            time,
+            directional,
+            place,
+            tint,
+        });
+    }
+    out.lamps.append(&mut found);
+    Some(())
+}
+
+fn shape(f: &mut Fields<'_>) -> Option<Shape> {
+    let object = byte(f).filter(|&id| id != 0 && id != 255)?;
+    let part = u16::from(byte(f)?);
+    let parts = u16::from(byte(f)?) + 1;
+    if part >= parts {
+        return None;
+    }
+    let counts = [u16::from(byte(f)?) + 1, u16::from(byte(f)?) + 1];
+    let mut vertices = Vec::new();
+    for _ in 0..counts[0] {
+        vertices.push([short(f)? as i16, short(f)? as i16, short(f)? as i16]);
+    }
+    let mut triangles = Vec::new();
+    for _ in 0..counts[1] {
+        let mut corner = || vertices.get(usize::from(byte(f)?)).copied();
+        triangles.push([corner()?, corner()?, corner()?]);
+    }
+    // Bytes left over make it none.
+    (f.len() == 0).then_some(Shape {
+        object,
+        part,
+        parts,
+        triangles,
     })
 }
 
@@ -396,6 +475,42 @@ impl Colours {
     }
 }
 
+/// Share parameters and the codes before.
+struct Shares {
+    lamps: usize,
+    k: [u32; 2],
+    last: Option<[u8; 2]>,
+}
+
+impl Shares {
+    fn new(bits: &mut Bits, lamps: u8) -> Option<Self> {
+        let k = match lamps {
+            0 => [0; 2],
+            _ => [bits.take(3)?, bits.take(3)?],
+        };
+        Some(Shares {
+            lamps: usize::from(lamps),
+            k,
+            last: None,
+        })
+    }
+
+    fn next(&mut self, bits: &mut Bits, near: bool) -> Option<[u8; 2]> {
+        let mut codes = [0; 2];
+        for (lamp, code) in codes.iter_mut().enumerate().take(self.lamps) {
+            *code = match self.last {
+                None => bits.take(4)? as u8,
+                Some(last) => {
+                    let delta = unfold(bits.rice(self.k[usize::from(!near)], 4)?);
+                    (i64::from(last[lamp]) + delta).rem_euclid(16) as u8
+                }
+            };
+        }
+        self.last = Some(codes);
+        Some(codes)
+    }
+}
+
 fn world_samples(f: &mut Fields<'_>, out: &mut Decoded) -> Option<()> {
     let hello = out.hellos.last().filter(|h| h.world_layout)?;
     let time = word(f)?;
@@ -413,6 +528,7 @@ fn world_samples(f: &mut Fields<'_>, out: &mut Decoded) -> Option<()> {
     let centre = bits.take(6)?;
     let k = bits.take(3)?;
     let mut colours = Colours::new(&mut bits)?;
+    let mut shares = Shares::new(&mut bits, hello.lamps)?;
     for (object, length) in runs {
         let mut u = [0u32; 3];
         let mut mode = 3;
@@ -442,12 +558,14 @@ fn world_samples(f: &mut Fields<'_>, out: &mut Decoded) -> Option<()> {
                 s
             };
             let rgb = colours.next(&mut bits, distance)?;
+            let codes = shares.next(&mut bits, distance < colours.threshold)?;
             let place = u.map(|u| u as i32 - 32_768);
             out.samples.push(Sample {
                 time,
                 object,
                 place,
                 rgb,
+                shares: codes,
             });
         }
     }
@@ -479,6 +597,7 @@ fn screen_samples(f: &mut Fields<'_>, out: &mut Decoded) -> Option<()> {
             object: 0,
             place: [x as i32, y as i32, 0],
             rgb,
+            shares: [0; 2],
         });
     }
     Some(())

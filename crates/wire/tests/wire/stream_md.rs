@@ -14,19 +14,27 @@ const DOCUMENT: &str = include_str!("../../../../docs/STREAM.md");
 /// Writes one example to a sink.
 type Write<'a> = dyn Fn(&mut Writer, &mut dyn FnMut(&[u8])) + 'a;
 
+/// The examples are of so many streams.
+const STREAMS: usize = 3;
+
+/// Which stream an example is of.
+fn stream_of(name: &str) -> usize {
+    match name {
+        "screen-hello" | "screen" => 1,
+        "lamps-hello" | "lamps" | "shape" | "lamps-world" => 2,
+        _ => 0,
+    }
+}
+
 /// The examples: name, frame, and what it decodes to.
 fn examples() -> Vec<(&'static str, Vec<u8>, Owned)> {
-    let mut writer = Writer::new();
-    let mut screen_writer = Writer::new();
+    let mut writers = [(); STREAMS].map(|()| Writer::new());
     let mut out = Vec::new();
-    let mut add = |name, write: &Write<'_>, screen: bool| {
+    let mut add = |name, write: &Write<'_>| {
         let mut frame = Vec::new();
-        let writer = if screen {
-            &mut screen_writer
-        } else {
-            &mut writer
-        };
-        write(writer, &mut |bytes| frame.extend_from_slice(bytes));
+        write(&mut writers[stream_of(name)], &mut |bytes| {
+            frame.extend_from_slice(bytes)
+        });
         out.push((name, frame));
     };
     let mut world_hello = hello(Layout::World, true);
@@ -35,6 +43,7 @@ fn examples() -> Vec<(&'static str, Vec<u8>, Owned)> {
         lifetime: true,
         density: true,
     };
+    let lit = lit(1);
     let screen_hello = hello(Layout::Screen, false);
     let time = Tick(1_000_000);
     let view = View {
@@ -94,6 +103,22 @@ fn examples() -> Vec<(&'static str, Vec<u8>, Owned)> {
             shares: Shares::default(),
         },
     ];
+    let lamp = Lamp {
+        kind: LampKind::Directional,
+        place: [0, Lamp::UNIT, 0],
+        tint: [320, 128],
+    };
+    // A tetrahedron without its base.
+    let corners = [[0, 100, 0], [-80, 0, -40], [80, 0, -40], [0, 0, 90]];
+    let triangles = [[0, 1, 2], [0, 2, 3], [0, 3, 1]];
+    // Three neighbours on a floor, the last of another colour.
+    let shaded =
+        [(300, 150, 9), (301, 149, 8), (303, 120, 10)].map(|(z, grey, code)| WorldSample {
+            place: [100, -200, z],
+            rgb: [grey, grey, grey - 10],
+            object: 0,
+            shares: Shares::new([code, 0]),
+        });
     // In sorted order too.
     let screen = [
         ScreenSample {
@@ -134,58 +159,36 @@ fn examples() -> Vec<(&'static str, Vec<u8>, Owned)> {
         time: refresh.time,
         offset: 314,
     };
-    add(
-        "hello",
-        &|w, mut s| w.hello(&world_hello, &mut s).unwrap(),
-        false,
-    );
-    add("view", &|w, mut s| w.view(&view, &mut s).unwrap(), false);
-    add(
-        "poses",
-        &|w, mut s| w.poses(time, &[pose], &mut s).unwrap(),
-        false,
-    );
-    add(
-        "tiles",
-        &|w, mut s| w.tiles(time, region, &nodes, &mut s).unwrap(),
-        false,
-    );
-    add(
-        "world",
-        &|w, mut s| w.world_samples(time, &world, &mut s).unwrap(),
-        false,
-    );
-    add(
-        "screen-hello",
-        &|w, mut s| w.hello(&screen_hello, &mut s).unwrap(),
-        true,
-    );
-    add(
-        "screen",
-        &|w, mut s| w.screen_samples(time, &screen, &mut s).unwrap(),
-        true,
-    );
-    add(
-        "refresh",
-        &|w, mut s| w.refresh(refresh, &mut s).unwrap(),
-        false,
-    );
-    add("cut", &|w, mut s| w.cut(time, &mut s).unwrap(), false);
-    add(
-        "end",
-        &|w, mut s| assert_eq!(w.end(refresh.time, &mut s).unwrap().samples, 4),
-        false,
-    );
-    add(
-        "status",
-        &|w, mut s| w.status(&status, &mut s).unwrap(),
-        false,
-    );
-    add(
-        "index",
-        &|w, mut s| w.index(500, &[entry], &mut s).unwrap(),
-        false,
-    );
+    add("hello", &|w, mut s| w.hello(&world_hello, &mut s).unwrap());
+    add("view", &|w, mut s| w.view(&view, &mut s).unwrap());
+    add("poses", &|w, mut s| w.poses(time, &[pose], &mut s).unwrap());
+    add("tiles", &|w, mut s| {
+        w.tiles(time, region, &nodes, &mut s).unwrap()
+    });
+    add("world", &|w, mut s| {
+        w.world_samples(time, &world, &mut s).unwrap()
+    });
+    add("screen-hello", &|w, mut s| {
+        w.hello(&screen_hello, &mut s).unwrap()
+    });
+    add("screen", &|w, mut s| {
+        w.screen_samples(time, &screen, &mut s).unwrap()
+    });
+    add("refresh", &|w, mut s| w.refresh(refresh, &mut s).unwrap());
+    add("cut", &|w, mut s| w.cut(time, &mut s).unwrap());
+    add("end", &|w, mut s| {
+        assert_eq!(w.end(refresh.time, &mut s).unwrap().samples, 4)
+    });
+    add("status", &|w, mut s| w.status(&status, &mut s).unwrap());
+    add("lamps-hello", &|w, mut s| w.hello(&lit, &mut s).unwrap());
+    add("lamps", &|w, mut s| w.lamps(time, &[lamp], &mut s).unwrap());
+    add("shape", &|w, mut s| {
+        w.shape(1, 0, 1, &corners, &triangles, &mut s).unwrap()
+    });
+    add("lamps-world", &|w, mut s| {
+        w.world_samples(time, &shaded, &mut s).unwrap()
+    });
+    add("index", &|w, mut s| w.index(500, &[entry], &mut s).unwrap());
 
     let end = End {
         time: refresh.time,
@@ -204,6 +207,15 @@ fn examples() -> Vec<(&'static str, Vec<u8>, Owned)> {
         Owned::Cut(time),
         Owned::End(end),
         Owned::Status(status),
+        Owned::Hello(lit),
+        Owned::Lamps(time, vec![lamp]),
+        Owned::Shape(
+            1,
+            0,
+            1,
+            triangles.map(|t| t.map(|at| corners[at as usize])).to_vec(),
+        ),
+        Owned::World(time, shaded.to_vec()),
         Owned::Index(vec![entry]),
     ];
     // The index comes with its trailer: an example of its own.
@@ -292,9 +304,9 @@ fn stream_md_examples_are_what_the_code_writes() {
 
 #[test]
 fn stream_md_examples_decode_to_what_they_say() {
-    let mut receivers = [Receiver::new(), Receiver::new()];
+    let mut receivers = [const { Receiver::new() }; STREAMS];
     for (name, frame, meaning) in examples() {
-        let receiver = &mut receivers[usize::from(name.starts_with("screen"))];
+        let receiver = &mut receivers[stream_of(name)];
         let mut input = &frame[..];
         assert_eq!(
             receiver.push(&mut input).map(Owned::from),
@@ -313,6 +325,8 @@ fn stream_md_states_the_constants_of_the_code() {
         format!("1..={MAX_SAMPLES} samples"),
         format!("1..={MAX_POSES} poses"),
         format!("0..={MAX_INDEX_ENTRIES} entries"),
+        format!("0..={LAMPS}; 0 unless layout world"),
+        format!("{} bytes of payload", MAX_PACKET - 7),
     ] {
         assert!(
             DOCUMENT.contains(&constant),
