@@ -53,13 +53,12 @@ impl Eye for Wall {
         let at = direction.truncate() * 40.0;
         let odd = (at.x.floor() as i32 ^ at.y.floor() as i32) & 1 == 1;
         Hit {
-            colour: Vec3::splat(if near && odd { 0.7
-            shares: Default::default(),
-        } else { 0.2 }),
+            colour: Vec3::splat(if near && odd { 0.7 } else { 0.2 }),
             object: 0,
             local: direction,
             depth: 1.0,
             rays: Rays::default(),
+            shares: unframed_wire::Shares::default(),
         }
     }
 
