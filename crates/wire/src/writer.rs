@@ -3,7 +3,7 @@
 use core::fmt;
 
 use crate::bytes::Buffer;
-use crate::fixed::{self, IndexEntry, MAX_INDEX_ENTRIES, MAX_POSES, Shape, Trailer};
+use crate::fixed::{self, IndexEntry, MAX_INDEX_ENTRIES, MAX_POSES, Trailer};
 use crate::frame::{self, MAX_FRAME, MAX_PACKET};
 use crate::ledger::Ledger;
 use crate::packet::Kind;
@@ -27,7 +27,7 @@ pub enum EncodeError {
     /// A leaf's rectangle is not the one that the splits lead to.
     LeafRect,
     /// One tile or packet does not fit [`MAX_PACKET`]; with the limits above that happens to
-    /// shapes only, see [`Shape::fits`].
+    /// shapes only, see [`crate::Shape::fits`].
     TooLong,
 }
 
@@ -289,7 +289,7 @@ impl Writer {
     /// # Errors
     /// [`EncodeError::Range`] if the object does not move (0, [`SKY`]), `part` is not below
     /// `parts`, an index names no vertex, or there are none or more than 256 of vertices or
-    /// triangles; [`EncodeError::TooLong`] unless [`Shape::fits`].
+    /// triangles; [`EncodeError::TooLong`] unless [`crate::Shape::fits`].
     pub fn shape(
         &mut self,
         object: u8,
@@ -306,9 +306,6 @@ impl Writer {
             .all(|n| (1..=256).contains(n));
         if !fixed::shape_is_named(object, part, parts) || !indexed || !counted {
             return Err(EncodeError::Range(Kind::Shape));
-        }
-        if !Shape::fits(vertices.len(), triangles.len()) {
-            return Err(EncodeError::TooLong);
         }
         self.begin(Kind::Shape);
         fixed::put_shape(&mut self.packet, [object, part], parts, vertices, triangles);

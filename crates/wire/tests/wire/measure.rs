@@ -55,6 +55,33 @@ fn measure_samples() {
     }
 }
 
+/// Bits a share of `lamps` lamps in packets of `n` samples, where light changes smoothly.
+fn bits_per_share(lamps: u8, n: usize) -> f64 {
+    let mut rng = Rng(1);
+    let mut w = Writer::new();
+    let mut sink = |_: &[u8]| {};
+    w.hello(&lit(lamps), &mut sink).unwrap();
+    for packet in 0..200u32 {
+        let (mut world, _) = samples(&mut rng, n, 0.01 * f64::from(packet), 0.4, false);
+        world
+            .iter_mut()
+            .for_each(|s| s.shares = smooth(s.place, lamps));
+        w.world_samples(Tick(packet * 320), &world, &mut sink)
+            .unwrap();
+    }
+    let ledger = w.ledger();
+    ledger.sample_bits.shares as f64 / (ledger.samples as f64 * f64::from(lamps))
+}
+
+#[test]
+fn measure_shares() {
+    for lamps in [1, 2] {
+        let bits = bits_per_share(lamps, 128);
+        println!("shares of {lamps} lamps: {bits:.2} bits each");
+        assert!(bits <= 2.0, "{bits:.2} bits a share");
+    }
+}
+
 /// A k-d cut of the room: halves the longer edge while the luminance inside varies.
 fn cut(rng: &mut Rng, rect: Rect, time: f64, out: &mut Vec<TileNode>) {
     let (x, y) = (f64::from(rect.x), f64::from(rect.y));
