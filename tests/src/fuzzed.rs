@@ -9,7 +9,10 @@
 use crate::accuracy::{Accuracy, CLOSE_BORDER, Setting, compare};
 use crate::stream::{DEPTH, Rng, Stream, flat, pose, tile};
 use unframed_recon::config::{Config, Extents, Fit, NAMED};
-use unframed_wire::{Layout, LogCode, Pose, SKY, ScreenSample, Shares, Tick, View, WorldSample};
+use unframed_wire::{
+    LAMPS, Lamp, LampKind, Layout, LogCode, Pose, SKY, ScreenSample, Shares, Tick, View,
+    WorldSample,
+};
 
 /// Panels: of 7 and of 6 fractional bits, odd, of one row, of one pixel.
 const SIZES: [(u16, u16); 5] = [(24, 24), (33, 17), (64, 5), (500, 3), (1, 1)];
@@ -59,11 +62,11 @@ pub fn stream(data: &[u8]) -> (Vec<u8>, Setting) {
     let mut stream = if on_screen {
         Stream::new(size, Layout::Screen, 1000)
     } else {
-        Stream::of_the_plane(size)
+        Stream::of_the_plane_lit(size, LAMPS as u8)
     };
     let (mut now, mut sent) = (0, 0);
     while !data.0.is_empty() && sent < MOST {
-        match data.below(10) {
+        match data.below(12) {
             0 => stream.look(&view(&mut data, now, size)),
             1 if !on_screen => stream.poses(now, &[any_pose(&mut data)]),
             2 => {
@@ -82,6 +85,14 @@ pub fn stream(data: &[u8]) -> (Vec<u8>, Setting) {
                 stream.refresh(now);
             }
             6 if data.below(8) == 0 => stream.cut(now),
+            7 if !on_screen => {
+                let lamps = [(); LAMPS].map(|()| lamp(&mut data));
+                stream.lamps(now, &lamps);
+            }
+            8 if !on_screen => {
+                let (object, part) = (1 + data.below(2), data.below(4));
+                stream.shape(object, part, &shape(&mut data));
+            }
             _ if on_screen => {
                 let samples = screen_samples(&mut data, size);
                 stream.screen(now, &samples);
@@ -114,8 +125,37 @@ fn samples(data: &mut Bytes<'_>) -> Vec<WorldSample> {
                 place: [0, 1, 2].map(|k| centre[k].wrapping_add(away(k))),
                 rgb: [colour[0], colour[1], colour[2]],
                 object,
-                shares: Shares::default(),
+                shares: Shares(colour[3]),
             }
+        })
+        .collect()
+}
+
+/// A lamp near the plane or anywhere, or any direction.
+fn lamp(data: &mut Bytes<'_>) -> Lamp {
+    let (kind, by) = match data.below(3) {
+        0 => (LampKind::Directional, 1),
+        1 => (LampKind::Point, 2),
+        _ => (LampKind::Point, 12),
+    };
+    let place = [(); 3].map(|()| data.int(by).max(1 - (1 << 29)));
+    Lamp {
+        kind,
+        place: if place == [0; 3] { [0, 0, 1] } else { place },
+        tint: [(); 2].map(|()| 1 + u16::from(data.byte())),
+    }
+}
+
+/// Corners of triangles about a place.
+fn shape(data: &mut Bytes<'_>) -> Vec<[i16; 3]> {
+    let (count, by) = (1 + data.below(20), data.below(16));
+    let centre = [(); 3].map(|()| data.int(16) as i16);
+    let mut rng = Rng(u64::from(data.byte()));
+    (0..3 * count)
+        .map(|_| {
+            let bits = rng.bits().to_le_bytes();
+            let away = |k: usize| i16::from_le_bytes([bits[2 * k], bits[2 * k + 1]]) >> by;
+            [0, 1, 2].map(|k| centre[k].wrapping_add(away(k)))
         })
         .collect()
 }

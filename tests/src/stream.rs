@@ -5,8 +5,8 @@
 //! seen by an object at rest falls on the corner of pixel (x, y) counted from the panel's centre.
 
 use unframed_wire::{
-    Axis, ColourEncoding, Hello, Layout, LogCode, Pose, Rect, Refresh, SKY, ScreenSample, Shares,
-    Tick, Tile, TileFields, TileNode, View, WorldFrame, WorldSample, Writer,
+    Axis, ColourEncoding, Hello, LAMPS, Lamp, Layout, LogCode, Pose, Rect, Refresh, SKY,
+    ScreenSample, Shares, Tick, Tile, TileFields, TileNode, View, WorldFrame, WorldSample, Writer,
 };
 
 /// Distance of the plane from the eye of [`flat`], world units.
@@ -100,6 +100,10 @@ impl Stream {
     /// A stream that has said Hello for a panel of `size` pixels and `rate` samples a second.
     #[must_use]
     pub fn new(size: (u16, u16), layout: Layout, rate: u32) -> Self {
+        Self::lit(size, layout, rate, 0)
+    }
+
+    fn lit(size: (u16, u16), layout: Layout, rate: u32, lamps: u8) -> Self {
         let mut stream = Self {
             bytes: Vec::new(),
             writer: Writer::new(),
@@ -123,7 +127,7 @@ impl Stream {
                 origin: [0.0; 3],
                 unit: 0.001,
             },
-            lamps: 0,
+            lamps,
         };
         stream.send(|writer, mut sink| writer.hello(&hello, &mut sink));
         stream
@@ -132,7 +136,13 @@ impl Stream {
     /// A stream of reprojected samples seen by [`flat`], view and poses sent.
     #[must_use]
     pub fn of_the_plane(size: (u16, u16)) -> Self {
-        let mut stream = Self::new(size, Layout::World, 400_000);
+        Self::of_the_plane_lit(size, 0)
+    }
+
+    /// The same with so many lamps announced.
+    #[must_use]
+    pub fn of_the_plane_lit(size: (u16, u16), lamps: u8) -> Self {
+        let mut stream = Self::lit(size, Layout::World, 400_000, lamps);
         stream.look(&flat(0, size));
         stream.poses(0, &[pose(0, 1.0, [0; 3]), pose(SKY, 1.0, [0, 0, -DEPTH])]);
         stream
@@ -155,6 +165,21 @@ impl Stream {
     /// Sends poses.
     pub fn poses(&mut self, time: u32, poses: &[Pose]) {
         self.send(|writer, mut sink| writer.poses(Tick(time), poses, &mut sink));
+    }
+
+    /// Sends the lamps.
+    pub fn lamps(&mut self, time: u32, lamps: &[Lamp; LAMPS]) {
+        self.send(|writer, mut sink| writer.lamps(Tick(time), lamps, &mut sink));
+    }
+
+    /// Sends a part of an object's shape: triangles whose corners are three vertices each.
+    pub fn shape(&mut self, object: u8, part: u8, vertices: &[[i16; 3]]) {
+        let triangles: Vec<_> = (0..vertices.len() as u8 / 3)
+            .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
+            .collect();
+        self.send(|writer, mut sink| {
+            writer.shape(object, part, 256, vertices, &triangles, &mut sink)
+        });
     }
 
     /// Sends reprojected samples of one instant.

@@ -285,7 +285,7 @@ fn a_flipped_bit_in_any_table_is_found() {
     };
     let time: Flip = |t| t.time.iter_mut().for_each(|v| *v ^= 1);
     let light: Flip = |t| t.light.iter_mut().for_each(|v| *v ^= 1);
-    let flips: [(&str, Config, Flip); 10] = [
+    let flips: [(&str, Config, Flip); 11] = [
         ("log2_q11", ADAPTIVE, |t| {
             t.log2_q11.iter_mut().for_each(|v| *v ^= 1);
         }),
@@ -298,6 +298,9 @@ fn a_flipped_bit_in_any_table_is_found() {
         ("time, exponential", kernel(TimeKernel::Exponential), time),
         ("light, linear", ADAPTIVE, light),
         ("light, encoded", encoded, light),
+        ("linear", ADAPTIVE, |t| {
+            t.linear.iter_mut().for_each(|v| *v ^= 1);
+        }),
         ("srgb_from", ADAPTIVE, |t| {
             t.srgb_from.iter_mut().for_each(|v| *v ^= 1);
         }),

@@ -1,6 +1,6 @@
 //! Light of the instant: lamps and what stands before them, equal at every refresh.
 
-use super::stream::{Rng, Stream};
+use super::stream::{Rng, Stream, octahedron};
 use super::{ADAPTIVE, Case, adapter_or_skip, check, difference};
 use unframed_recon::config::{Extents, Fit, Light};
 use unframed_recon::heap::HeapStorage;
@@ -57,14 +57,6 @@ fn tube(x: i16, y: i16, z: i16) -> Vec<[[i16; 3]; 3]> {
     let corners = [[-x, -y, 0], [x, -y, 0], [x, y, 0], [-x, y, 0]];
     let sides = (0..4).flat_map(|i| quad(corners[i], corners[(i + 1) % 4]));
     sides.collect()
-}
-
-/// An octahedron.
-fn octahedron(r: i16) -> Vec<[[i16; 3]; 3]> {
-    let signs = [[1, 1, 1], [-1, 1, 1], [1, -1, 1], [1, 1, -1]];
-    let all = signs.iter().flat_map(|s| [*s, s.map(|v: i16| -v)]);
-    all.map(|[x, y, z]| [[x * r, 0, 0], [0, y * r, 0], [0, 0, z * r]])
-        .collect()
 }
 
 /// A place of a wall behind everything, a floor, or a triangle of a shape.

@@ -6,6 +6,9 @@ use unframed_recon::deep::{Placing, Stored, age, slot};
 use unframed_recon::encode::ENCODED;
 use unframed_recon::fill::{self, pyramid_len};
 use unframed_recon::hidden::{self, Minima, minima_len};
+use unframed_recon::light::facets::Facet;
+use unframed_recon::light::toward::Toward;
+use unframed_recon::light::{self, Lights};
 use unframed_recon::memory::Slot;
 use unframed_recon::motion::{Motion, Past};
 use unframed_recon::splat::{self, Filter, Target, Widths};
@@ -14,7 +17,7 @@ use unframed_recon::tiles::{Cell, TileMap, cells_along};
 use unframed_recon::transform::Transform;
 use unframed_recon::{Alone, Fixed, solve};
 use unframed_sim::twin::Probe;
-use unframed_wire::{Packet, Receiver, Tick, View};
+use unframed_wire::{LAMPS, Packet, Receiver, Tick, View};
 
 /// What the Rust stages make of a stream up to its last refresh, as words of the shaders' layout.
 pub(crate) struct Stages {
@@ -22,18 +25,20 @@ pub(crate) struct Stages {
 }
 
 /// A stream's contents up to its last refresh.
-struct Contents {
+struct Contents<'a> {
     samples: Vec<Stored>,
     slots: Vec<Slot<Fixed>>,
+    lights: Lights<'a>,
     motion: Motion,
     view: Option<View>,
     now: Tick,
 }
 
-fn contents(bytes: &[u8], map: &mut TileMap<'_>) -> Contents {
+fn contents<'a>(bytes: &[u8], map: &mut TileMap<'_>, lights: Lights<'a>) -> Contents<'a> {
     let mut found = Contents {
         samples: Vec::new(),
         slots: vec![Slot::default(); 256],
+        lights,
         motion: Motion::new(),
         view: None,
         now: Tick(0),
@@ -61,7 +66,14 @@ fn contents(bytes: &[u8], map: &mut TileMap<'_>) -> Contents {
                     });
                 });
             }
+            Packet::Lamps(lamps) => {
+                for (index, lamp) in lamps.enumerate() {
+                    assert!(found.lights.lamp(index, &lamp));
+                }
+            }
+            Packet::Shape(shape) => assert!(found.lights.shape(&shape)),
             Packet::Refresh(refresh) => {
+                found.lights.prepare(&found.slots);
                 found.now = refresh.time;
                 let view = found.view.expect("a view");
                 found.motion.refresh(found.now, &view, &mut found.slots);
@@ -94,7 +106,15 @@ impl Stages {
         let panel = Panel::new(width, height).expect("a sound size");
         let mut cells = vec![Cell::default(); cells_along(width) * cells_along(height)];
         let mut map = TileMap::new(&mut cells, width, height).expect("enough cells");
-        let contents = contents(bytes, &mut map);
+        let mut facets = vec![Facet::EMPTY; light::FACETS];
+        let mut towards = vec![[Toward::ZERO; LAMPS]; 256];
+        let mut shadows = vec![0; light::TEXELS];
+        let lights = Lights::new(light::Memory {
+            facets: &mut facets,
+            towards: &mut towards,
+            texels: &mut shadows,
+        });
+        let contents = contents(bytes, &mut map, lights);
         let (mut projected, own_widths) = project(config, &panel, &map, &contents);
         let pixels = panel.pixels();
         let pixel_of = |s: &Projected<Fixed>| {
@@ -219,7 +239,7 @@ fn project(
     config: &Config,
     panel: &Panel,
     map: &TileMap<'_>,
-    contents: &Contents,
+    contents: &Contents<'_>,
 ) -> (Vec<Projected<Fixed>>, Vec<[i16; 2]>) {
     let view = contents.view.expect("a view");
     let of = |sample: &Stored| {
@@ -255,7 +275,7 @@ fn project(
                 Fixed::log_of_age(age),
                 lifetime,
             ),
-            rgb: sample.rgb,
+            rgb: contents.lights.relight(sample),
             past: Past::new(age, sample.slot > slot(0)),
         };
         Some((projected, widths))

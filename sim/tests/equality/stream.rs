@@ -2,7 +2,7 @@
 
 use unframed_wire::tiles::split;
 use unframed_wire::{
-    Axis, ColourEncoding, Hello, LAMPS, Lamp, Layout, LogCode, Pose, Rect, Refresh, SKY,
+    Axis, ColourEncoding, Hello, LAMPS, Lamp, LampKind, Layout, LogCode, Pose, Rect, Refresh, SKY,
     ScreenSample, Shares, Tick, Tile, TileFields, TileNode, View, WorldFrame, WorldSample, Writer,
 };
 
@@ -137,9 +137,28 @@ impl Stream {
             let at = [8000.0 * angle.cos(), 5000.0 * angle.sin(), -4000.0].map(|v| v as i32);
             poses.push(pose(object, 0.8, at));
         }
-        let sink = &mut |frame: &[u8]| self.bytes.extend_from_slice(frame);
-        let poses = self.writer.poses(Tick(time), &poses, sink);
-        poses.expect("sound poses");
+        self.any_poses(time, &poses);
+        if self.layout == Layout::World && self.lamps > 0 {
+            self.light(time, phase);
+        }
+    }
+
+    /// A lamp before the movers and light from above; all movers but the last throw shadows.
+    fn light(&mut self, time: u32, phase: f64) {
+        let near = Lamp {
+            kind: LampKind::Point,
+            place: [(9000.0 * phase.sin()) as i32, -3000, -12_000],
+            tint: [200, 300],
+        };
+        let far = Lamp {
+            kind: LampKind::Directional,
+            place: [200_000_000, -900_000_000, (phase * -1e8) as i32],
+            tint: [300, 150],
+        };
+        self.lamps(time, &[near, far]);
+        for object in 1..MOVERS {
+            self.shape(object, &octahedron(5000));
+        }
     }
 
     /// A random k-d cut of the panel, down to leaves of about `leaf` pixels.
@@ -308,8 +327,16 @@ fn world(rng: &mut Rng) -> WorldSample {
         place,
         rgb: [level, level / 2 + 20 * (object % 4), 255 - level],
         object,
-        shares: Shares::default(),
+        shares: Shares::new([rng.below(16) as u8, rng.below(16) as u8]),
     }
+}
+
+/// An octahedron of this radius, lattice steps.
+pub(crate) fn octahedron(r: i16) -> Vec<[[i16; 3]; 3]> {
+    let signs = [[1, 1, 1], [-1, 1, 1], [1, -1, 1], [1, 1, -1]];
+    let all = signs.iter().flat_map(|s| [*s, s.map(|v: i16| -v)]);
+    all.map(|[x, y, z]| [[x * r, 0, 0], [0, y * r, 0], [0, 0, z * r]])
+        .collect()
 }
 
 fn screen(rng: &mut Rng, size: (u16, u16)) -> ScreenSample {

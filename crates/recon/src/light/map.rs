@@ -202,7 +202,9 @@ impl<'a> Maps<'a> {
         let area = |extent: &Extent, shift| side(extent, 0, shift) * side(extent, 1, shift);
         let all = |shift| -> usize {
             let extents = extents.as_flattened().iter();
-            extents.map(|extent| area(extent, shift)).sum()
+            let areas = extents.map(|extent| area(extent, shift));
+            // Each is below 2^31: their sum may be more than an address of 32 bits.
+            areas.fold(0, usize::saturating_add)
         };
         // A face has no more than 2^18 texels along a side; sides are 16 bits.
         let Some(shift) = (3..20).find(|shift| all(*shift) <= budget) else {
