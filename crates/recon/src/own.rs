@@ -56,9 +56,9 @@ fn place<A: Arith>(instant: &Instant<'_, A>, samples: &[Stored], pixels: &mut [u
     }
 }
 
-/// Adds samples of an age to their pixels.
+/// Adds samples of an age to their pixels. `LIT`: some may lie in the shadow of something that moves.
 #[inline(never)]
-fn add_block<A: Arith>(
+fn add_block<A: Arith, const LIT: bool>(
     instant: &Instant<'_, A>,
     age: A::Log,
     light: &[u16; 256],
