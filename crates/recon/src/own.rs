@@ -73,10 +73,12 @@ fn add_block<A: Arith, const LIT: bool>(
             && let Some(sums) = sums.get_mut(*own)
         {
             let weight = A::decline(kernel, cutoff, age, *lifetime);
-            let light = instant
-                .lights
-                .relight(sample)
-                .map(|code| A::light(light[usize::from(code)]));
+            let rgb = if LIT {
+                instant.lights.relight(sample)
+            } else {
+                sample.rgb
+            };
+            let light = rgb.map(|code| A::light(light[usize::from(code)]));
             let features = A::features(panel, light, Default::default(), (0, 0));
             A::add(sums, A::factor(weight), &features);
         }
@@ -104,7 +106,12 @@ pub fn add<A: Arith>(
             None => samples.iter_mut().for_each(|s| s.placing = Placing::Empty),
             Some(age) if A::counts(instant.decline(age.log, longest)) => {
                 place(instant, samples, &mut pixels);
-                add_block(instant, age.log, light, samples, &pixels, sums);
+                let add = if instant.lights.shines() {
+                    add_block::<A, true>
+                } else {
+                    add_block::<A, false>
+                };
+                add(instant, age.log, light, samples, &pixels, sums);
             }
             Some(_) => {}
         }
