@@ -137,10 +137,20 @@ fn shape(lights: &mut OwnLights, object: u8, vertices: &[[i16; 3]]) {
     }
 }
 
-/// Any pose, or one that lamps see exactly near the origin, so that coordinates are often equal.
-fn pose(random: &mut Random, object: u8, plain: bool) -> Pose {
-    if plain {
-        let one = 256;
+/// What a round is about.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Scene {
+    /// Lamps among objects that they see exactly: coordinates are often equal.
+    Near,
+    /// Lamps far away.
+    Far,
+    /// Lamps and poses of all ranges.
+    Any,
+}
+
+fn pose(random: &mut Random, object: u8, scene: Scene) -> Pose {
+    if scene != Scene::Any {
+        let one = if scene == Scene::Near { 256 } else { 512 };
         return Pose {
             object,
             matrix: [[one, 0, 0], [0, one, 0], [0, 0, one]],
@@ -167,18 +177,21 @@ fn samples_are_relit_alike_under_any_lamp() {
     let mut random = Random(77);
     let (mut lights, mut dimmed) = (OwnLights::new(), 0);
     for round in 0..ROUNDS {
-        let plain = round % 2 == 0;
+        let scene = [Scene::Near, Scene::Any, Scene::Near, Scene::Far][round % 4];
         if round % 3 == 0 {
             lights.clear();
         }
         for index in 0..LAMPS {
             let directional = random.next() % 3 == 0;
-            let (kind, most) = match (directional, plain) {
+            let (kind, most) = match (directional, scene) {
                 (true, _) => (LampKind::Directional, 30),
-                (false, true) => (LampKind::Point, 17),
-                (false, false) => (LampKind::Point, 29),
+                (false, Scene::Near) => (LampKind::Point, 17),
+                (false, _) => (LampKind::Point, 29),
             };
-            let place = [(); 3].map(|()| int(&mut random, most) | 1);
+            let mut place = [(); 3].map(|()| int(&mut random, most) | 1);
+            if scene == Scene::Far {
+                place[round % 3] = 1 << 26;
+            }
             let lamp = Lamp {
                 kind,
                 place: place.map(|v| v.clamp(-(1 << most), 1 << most)),
@@ -187,13 +200,12 @@ fn samples_are_relit_alike_under_any_lamp() {
             assert!(lights.with(|lights| lights.lamp(index, &lamp)));
         }
         let mut slots = vec![Slot::<Fixed>::default(); 256];
-        let by = if plain {
-            5 + random.next() as u32 % 3
-        } else {
-            0
+        let by = match scene {
+            Scene::Near => 5 + random.next() as u32 % 3,
+            _ => 0,
         };
         for object in 0..4 {
-            slots[usize::from(slot(object))].pose = Some(pose(&mut random, object, plain));
+            slots[usize::from(slot(object))].pose = Some(pose(&mut random, object, scene));
             if object > 0 {
                 let corners: Vec<_> = (0..18).map(|_| corner(&mut random, by)).collect();
                 shape(&mut lights, object, &corners);
