@@ -182,7 +182,7 @@ fn samples_are_relit_alike_under_any_lamp() {
             lights.clear();
         }
         for index in 0..LAMPS {
-            let directional = random.next() % 3 == 0;
+            let directional = random.next().is_multiple_of(3);
             let (kind, most) = match (directional, scene) {
                 (true, _) => (LampKind::Directional, 30),
                 (false, Scene::Near) => (LampKind::Point, 17),
