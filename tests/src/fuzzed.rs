@@ -66,7 +66,20 @@ pub fn stream(data: &[u8]) -> (Vec<u8>, Setting) {
     };
     let (mut now, mut sent) = (0, 0);
     while !data.0.is_empty() && sent < MOST {
-        match data.below(12) {
+        let what = data.byte();
+        if !on_screen {
+            // Of the same bytes as what comes next, which so stays what it would be without.
+            let ahead = &mut Bytes(data.0);
+            match what / 10 {
+                0..3 => stream.lamps(now, &[(); LAMPS].map(|()| lamp(ahead))),
+                3..6 => {
+                    let (object, part) = (1 + ahead.below(2), ahead.below(4));
+                    stream.shape(object, part, &shape(ahead));
+                }
+                _ => {}
+            }
+        }
+        match what % 10 {
             0 => stream.look(&view(&mut data, now, size)),
             1 if !on_screen => stream.poses(now, &[any_pose(&mut data)]),
             2 => {
@@ -85,14 +98,6 @@ pub fn stream(data: &[u8]) -> (Vec<u8>, Setting) {
                 stream.refresh(now);
             }
             6 if data.below(8) == 0 => stream.cut(now),
-            7 if !on_screen => {
-                let lamps = [(); LAMPS].map(|()| lamp(&mut data));
-                stream.lamps(now, &lamps);
-            }
-            8 if !on_screen => {
-                let (object, part) = (1 + data.below(2), data.below(4));
-                stream.shape(object, part, &shape(&mut data));
-            }
             _ if on_screen => {
                 let samples = screen_samples(&mut data, size);
                 stream.screen(now, &samples);

@@ -432,17 +432,18 @@ fn corners_far_beside_a_lamp() {
     let mut room = Room::new(1, 1 << 16);
     let mut lights = room.lights();
     assert!(lights.lamp(0, &lamp(LampKind::Point, [0; 3])));
-    let triangle = [[-16384, 0, 0], [16384, 0, 0], [0, 1000, 1000]];
+    let triangle = [[-16383, 0, 0], [16383, -8192, 0], [0, 1000, 1000]];
     assert!(with_shape((1, 0), &[triangle], |shape| lights.shape(shape)));
     let coarse = Pose {
-        matrix: exact(1, [0; 3]).matrix.map(|row| row.map(|v| 16 * v)),
-        ..exact(1, [0, 0, 1])
+        matrix: exact(1, [0; 3]).matrix.map(|row| row.map(|v| 8 * v)),
+        ..exact(1, [16, 0, 1])
     };
     lights.prepare(&slots(&[exact(0, [0; 3]), coarse]));
-    for x in [-12, 0, 12] {
-        assert!(dark(&lights, &sample(0, [x, 15, 30], 0)));
-        assert!(!dark(&lights, &sample(0, [x, -15, 30], 0)));
+    for x in [-12_000, 0, 12_000] {
+        assert!(dark(&lights, &sample(0, [x, 15_000, 30_000], 0)));
+        assert!(!dark(&lights, &sample(0, [x, 31_000, 30_000], 0)));
     }
+    assert!(!dark(&lights, &sample(0, [29_000, 25_000, 30_000], 0)));
 }
 
 /// Triangles without area, beside each other and in one place, throw no shadow.

@@ -144,6 +144,9 @@ fn constants_are_the_shaders() {
     assert_eq!(constant(&SORT, "FACES") as usize, toward::FACES);
     assert_eq!(constant(&SORT, "FACE_BITS"), toward::FACE_BITS);
     assert_eq!(constant(&SORT, "PLANE") as i32, toward::PLANE);
+    assert_eq!(constant(&SORT, "TOWARD_BITS") as i32, toward::BITS);
+    assert_eq!(constant(&SORT, "DEPTH_BITS"), toward::DEPTH);
+    assert_eq!(constant(&SORT, "BEHIND"), u32::from(light::map::BEHIND));
     assert_eq!(constant(&SORT, "NOTHING"), u32::from(toward::NOTHING));
     assert_eq!(constant(&SORT, "WHOLE"), light::WHOLE);
     assert_eq!(constant(&SORT, "CODES") as usize, light::CODES);

@@ -159,3 +159,7 @@ impl OwnLights {
         Ok(())
     }
 }
+
+#[cfg(test)]
+#[path = "light_tests.rs"]
+mod tests;

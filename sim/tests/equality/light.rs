@@ -214,6 +214,49 @@ fn shadows_show() {
     }
 }
 
+/// A stream of another description forgets lamps and shapes; they come back one after the other.
+#[test]
+fn a_new_stream_is_unlit() {
+    let Some(gpu) = adapter_or_skip("equality of lamps that are forgotten") else {
+        return;
+    };
+    let mut stream = Stream::lit(SIZE, Layout::World, 9, 2);
+    let mut rng = Rng(9);
+    let shapes = [(1, octahedron(6000))];
+    let samples: Vec<_> = (0..2000)
+        .map(|_| sample(&mut rng, &shapes, Without::Nothing))
+        .collect();
+    let lamp = Lamp {
+        kind: LampKind::Point,
+        place: [100, 200, -12_000].map(|v| STEP * v),
+        tint: [256; 2],
+    };
+    let mut refreshes = 0;
+    for hello in [400_000, 7, 8] {
+        stream.hello(hello);
+        stream.any_view(&view(0));
+        stream.any_poses(0, &[pose(0, 0.0, [0; 3]), pose(1, 0.0, [0, 0, -1000])]);
+        // In either order.
+        for step in 0..3 {
+            match (step, hello) {
+                (0, _) => {}
+                (1, 7) | (2, 8 | 400_000) => stream.shape(1, &shapes[0].1),
+                _ => stream.lamps(0, &[lamp; 2]),
+            }
+            if step == 0 {
+                stream.world_samples(0, &samples);
+            }
+            stream.refresh(10, refreshes);
+            refreshes += 1;
+        }
+    }
+    check(&gpu, case(ADAPTIVE), &stream.bytes);
+    let shown = pictures(&stream.bytes);
+    for shown in shown.chunks(3) {
+        assert!(shown[0] == shown[1] && shown[1] != shown[2]);
+    }
+}
+
 /// Twins that err by one bit are found.
 #[test]
 fn a_wrong_shadow_is_found() {

@@ -15,7 +15,7 @@ use unframed_wire::{LAMPS, LampKind};
 /// Windows of all lamps.
 pub const WINDOWS: usize = 64;
 /// How much deeper than what stands before it something must be.
-const BEHIND: u16 = 1;
+pub const BEHIND: u16 = 1;
 /// Bits of a corner's coordinates while it is drawn.
 const CORNER_BITS: u32 = 15;
 

@@ -10,7 +10,7 @@ use unframed_wire::{Lamp, LampKind, Pose};
 /// log2 of the unit, world units.
 pub const UNIT: i32 = 8;
 /// Fractional bits of matrices.
-const BITS: i32 = 14;
+pub const BITS: i32 = 14;
 /// Entries of matrices stay within. Places of 16 bits then wrap around where a lattice is coarser
 /// than the unit; coarser lattices have places of fewer bits.
 const ENTRY: i64 = 1 << (BITS + 6);
@@ -23,7 +23,7 @@ pub const PLANE: i32 = 1 << 17;
 /// Faces of a lamp.
 pub const FACES: usize = 6;
 /// log2 of the unit in which maps keep depths, in those of places.
-const DEPTH: u32 = 2;
+pub const DEPTH: u32 = 2;
 /// No depth: nothing is there.
 pub const NOTHING: u16 = u16::MAX;
 
