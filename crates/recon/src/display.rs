@@ -379,7 +379,10 @@ impl<'a, A: Arith, W: Workers> Display<'a, A, W> {
             return;
         }
         self.compose();
-        self.lights.prepare(self.slots);
+        if self.lights.prepare(self.slots) {
+            // What was averaged so far lay in another light.
+            self.rest = Rest::new();
+        }
         let step = self.step(refresh.time);
         if let Some(view) = &self.view {
             self.motion.refresh(refresh.time, view, self.slots);

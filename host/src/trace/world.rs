@@ -370,10 +370,8 @@ impl World {
         let lamp = self.lamps.get(*self.casters.lamps.get(lamp)?)?;
         let pose = self.animation.world(&self.scene, lamp.node(), t);
         let ambient = self.scene.sky.ambient.max(Vec3::splat(1e-3));
-        Some(
-            lamp.source(&pose)
-                .map(|source| (source, lamp.light() / ambient))?,
-        )
+        let source = lamp.source(&pose)?;
+        Some((source, lamp.light() / ambient))
     }
 
     /// Whether such a lamp ever moves.

@@ -412,8 +412,10 @@ impl<'g> GpuDisplay<'g> {
         }
         if self.config.mode == Mode::SpaceTime {
             self.compose()?;
-            self.lights
-                .prepare(self.gpu, &self.slots, &self.memory.light)?;
+            let light = &self.memory.light;
+            if self.lights.prepare(self.gpu, &self.slots, light)? {
+                self.rest = Rest::new();
+            }
             self.tell(refresh.time)?;
             let step = self.step(refresh.time)?;
             self.reach(refresh.time)?;

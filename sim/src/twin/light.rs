@@ -123,20 +123,20 @@ impl OwnLights {
     }
 
     /// Draws the maps of an instant and tells the adapter what changed, in a buffer of lights:
-    /// nothing as long as nothing throws shadows.
+    /// nothing as long as nothing throws shadows. Returns whether shadows changed.
     pub(super) fn prepare(
         &mut self,
         gpu: &Gpu,
         slots: &[Slot<Fixed>],
         buffer: &Words,
-    ) -> Result<(), GpuError> {
+    ) -> Result<bool, GpuError> {
         let (told, drawings) = (self.told.windows_len, self.drawings);
-        let (shines, drawn) = self.with(|lights| {
-            lights.prepare(slots);
-            (lights.shines(), lights.maps().drawings())
+        let (changed, shines, drawn) = self.with(|lights| {
+            let changed = lights.prepare(slots);
+            (changed, lights.shines(), lights.maps().drawings())
         });
         if !shines && told == 0 {
-            return Ok(());
+            return Ok(changed);
         }
         let (lamps, texels) = self.with(|lights| {
             let pair = |pair: &[u16]| {
@@ -156,7 +156,7 @@ impl OwnLights {
             buffer.write(gpu, WORDS, &texels)?;
             self.drawings = drawn;
         }
-        Ok(())
+        Ok(changed)
     }
 }
 

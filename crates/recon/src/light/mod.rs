@@ -163,10 +163,10 @@ impl<'a> Lights<'a> {
     }
 
     /// Draws the maps of an instant, of which `slots` has the poses; what did not change is not
-    /// drawn again.
-    pub fn prepare<A: Arith>(&mut self, slots: &[Slot<A>]) {
+    /// drawn again. Returns whether anything was: then shadows are others than they were.
+    pub fn prepare<A: Arith>(&mut self, slots: &[Slot<A>]) -> bool {
         if self.facets.is_empty() || self.lamps.iter().all(Option::is_none) {
-            return;
+            return false;
         }
         let mut stale = core::mem::take(&mut self.stale);
         for (index, (towards, slot)) in self.towards.iter_mut().zip(slots).enumerate() {
@@ -184,6 +184,7 @@ impl<'a> Lights<'a> {
             let kinds = self.lamps.map(|lamp| lamp.map(|lamp| lamp.kind));
             self.maps.draw(kinds, self.facets.all(), self.towards);
         }
+        stale
     }
 
     /// A sample's colour in the light of the instant, as received where nothing stands before the

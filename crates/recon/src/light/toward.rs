@@ -58,12 +58,13 @@ impl Toward {
         let dot =
             |row: &[i64; 3], v: [i64; 3]| -> i64 { row.iter().zip(v).map(|(r, v)| r * v).sum() };
         let by = i32::from(pose.frac_bits) + UNIT;
+        let half = 1 << (by - 1);
         let matrix = rows.map(|row| {
             core::array::from_fn(|i| {
                 let column = pose
                     .matrix
                     .map(|line| i64::from(line.get(i).copied().unwrap_or(0)));
-                (dot(&row, column) >> by).clamp(-ENTRY, ENTRY) as i32
+                ((dot(&row, column) + half) >> by).clamp(-ENTRY, ENTRY) as i32
             })
         });
         let mut away = [0; 3];
