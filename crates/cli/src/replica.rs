@@ -6,11 +6,12 @@ use std::collections::{BTreeMap, VecDeque};
 use anyhow::{Context, Result};
 use glam::DVec3;
 use rayon::prelude::*;
+use unframed_host::effects::care::Care;
 use unframed_host::trace::{World, srgb};
 use unframed_recon::heap::HeapStorage;
 use unframed_recon::{Arith, Config, Display};
 use unframed_wire::{
-    Hello, Packet, Pose, Receiver, Refresh, SKY, Tick, Tile, View, WorldFrame, WorldSample,
+    Hello, Lamp, Packet, Pose, Receiver, Refresh, SKY, Tick, Tile, View, WorldFrame, WorldSample,
 };
 
 /// Depths that differ less than this, relatively, are of the same place.
@@ -24,6 +25,7 @@ const HISTORY: usize = 40;
 struct Latch {
     view: Option<View>,
     poses: BTreeMap<u8, Pose>,
+    lamps: Vec<Lamp>,
     refresh: Option<Refresh>,
 }
 
@@ -39,6 +41,8 @@ pub struct Replica {
     /// The newest last.
     history: VecDeque<Latch>,
     tiles: Vec<Tile>,
+    /// Object, part and triangles of what throws shadows.
+    shapes: BTreeMap<(u8, u8), Vec<[[i16; 3]; 3]>>,
     /// As received; the newest last. A packet's samples stand in the order of their places, not
     /// of their shots: each says itself where it belongs.
     samples: VecDeque<(Tick, WorldSample)>,
@@ -57,6 +61,7 @@ impl Replica {
             now: Latch::default(),
             history: VecDeque::new(),
             tiles: Vec::new(),
+            shapes: BTreeMap::new(),
             samples: VecDeque::new(),
         }
     }
@@ -71,6 +76,11 @@ impl Replica {
                 Packet::Poses(poses) => poses.for_each(|pose| {
                     self.now.poses.insert(pose.object, pose);
                 }),
+                Packet::Lamps(lamps) => self.now.lamps = lamps.collect(),
+                Packet::Shape(shape) => {
+                    let name = (shape.object(), shape.part());
+                    self.shapes.insert(name, shape.collect());
+                }
                 Packet::Tiles(tiles) => fresh_tiles.extend(tiles),
                 Packet::World(samples) => {
                     let time = samples.time();
@@ -113,13 +123,19 @@ impl Replica {
         world.prepare(time, time);
         let moment = world.moment(time);
         let camera = *moment.camera();
-        let frame = self.hello.context("no Hello has come yet")?.world;
+        let hello = self.hello.context("no Hello has come yet")?;
+        let frame = hello.world;
+        // As the samples were taken: without the shadows that the display draws.
+        let care = Care {
+            open: hello.lamps > 0,
+            ..Care::default()
+        };
         let again = |(index, (_, sample)): (usize, &(Tick, WorldSample))| {
             let pose = self.now.poses.get(&sample.object)?;
             let place = metres(pose, sample.place, &frame);
             let offset = (place - camera.eye.as_dvec3()).as_vec3();
             let (_, depth) = camera.project_direction(offset)?;
-            let now = moment.look_along(offset / depth, index as u32);
+            let (now, _) = moment.look_along_with(offset / depth, index as u32, care);
             let there = sample.object == SKY || (now.depth - depth).abs() <= SAME_DEPTH * depth;
             (there && now.object == sample.object).then(|| srgb::encode8(now.colour))
         };
@@ -143,6 +159,9 @@ impl Replica {
         let hello = self.hello.context("no Hello has come yet")?;
         display.hello(&hello);
         let last = self.history.back().context("no refresh has come yet")?;
+        for ((object, part), triangles) in &self.shapes {
+            display.triangles(*object, *part, triangles);
+        }
         for latch in self.history.range(..self.history.len() - 1) {
             latch.show(&mut display);
         }
@@ -192,6 +211,9 @@ impl Latch {
             display.view(view);
         }
         self.poses.values().for_each(|pose| display.pose(pose));
+        for (index, lamp) in self.lamps.iter().enumerate() {
+            display.lamp(index, lamp);
+        }
         if let Some(refresh) = &self.refresh {
             display.refresh(refresh);
         }

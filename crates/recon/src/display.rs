@@ -264,6 +264,11 @@ impl<'a, A: Arith, W: Workers> Display<'a, A, W> {
         self.counts.refused += u64::from(!self.lights.shape(shape));
     }
 
+    /// The same of triangles: corners in the object's lattice.
+    pub fn triangles(&mut self, object: u8, part: u8, triangles: &[[[i16; 3]; 3]]) {
+        self.counts.refused += u64::from(!self.lights.triangles(object, part, triangles));
+    }
+
     /// Takes a tile.
     pub fn tile(&mut self, tile: &Tile) {
         self.tiles.set(tile);

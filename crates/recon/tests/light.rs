@@ -666,7 +666,9 @@ fn shapes_are_kept() {
     let mut facets = Facets::new(&mut storage);
     assert!(facets.is_empty());
     let take = |facets: &mut Facets<'_>, object: u8, at: u8, part: &[Triangle]| {
-        with_shape((object, at), part, |shape| facets.take(shape))
+        with_shape((object, at), part, |shape| {
+            facets.take(shape.object(), shape.part(), shape.len(), shape.clone())
+        })
     };
     assert_eq!(take(&mut facets, 9, 1, &part(1, 10)), Taken::New);
     assert_eq!(take(&mut facets, 4, 31, &part(11, 10)), Taken::New);

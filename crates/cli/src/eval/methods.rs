@@ -266,7 +266,7 @@ impl EvalMethod {
                     Self::AdaptiveNoDisplayReprojection => Layout::Screen,
                     _ => method.layout(),
                 },
-                lamps: method.lamps() && self != Self::Without(Part::Lamps),
+                lamps: method.lamps() && !matches!(self, Self::Without(part) if part.is_lamps()),
                 tile_fields: method.tile_fields(),
                 display: self.display(method),
             };

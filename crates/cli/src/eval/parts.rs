@@ -175,6 +175,12 @@ impl Part {
         self.entry().instead
     }
 
+    /// Whether it is the shadows that the display draws.
+    #[must_use]
+    pub fn is_lamps(self) -> bool {
+        self == Self::Lamps
+    }
+
     /// The sampler's knobs without it.
     #[must_use]
     pub fn sampler(self, mut config: adaptive::Config) -> adaptive::Config {
@@ -204,8 +210,9 @@ mod tests {
         let (sampler, display) = (adaptive::Config::default(), Config::ADAPTIVE);
         for (i, part) in Part::all().enumerate() {
             assert_eq!(part as usize, i, "{}", part.name());
-            let without = (part.sampler(sampler.clone()), part.display(display));
-            let whole = (sampler.clone(), display);
+            let (sampled, shown) = (part.sampler(sampler.clone()), part.display(display));
+            let without = (sampled, shown, !part.is_lamps());
+            let whole = (sampler.clone(), display, true);
             assert!(without != whole, "{} leaves nothing out", part.name());
         }
     }

@@ -1,7 +1,6 @@
 //! The shapes of what throws shadows.
 
-use super::slot_of;
-use unframed_wire::Shape;
+use crate::deep::slot;
 
 /// Objects that may throw shadows.
 pub const CASTERS: usize = 16;
@@ -102,13 +101,19 @@ impl<'a> Facets<'a> {
         casters.into_iter().any(|caster| caster.slot == slot)
     }
 
-    /// Takes a part of a shape.
-    pub fn take(&mut self, shape: &Shape<'_>) -> Taken {
-        let slot = slot_of(shape);
+    /// Takes a part of the shape of an object, of `len` triangles.
+    pub fn take(
+        &mut self,
+        object: u8,
+        part: u8,
+        len: usize,
+        triangles: impl Iterator<Item = [[i16; 3]; 3]>,
+    ) -> Taken {
+        let slot = slot(object);
         let known = self.casters.iter().take(self.count);
         let caster = known.clone().position(|caster| caster.slot == slot);
         let caster = caster.unwrap_or(self.count);
-        let part = 1u32.checked_shl(shape.part().into());
+        let part = 1u32.checked_shl(part.into());
         let (Some(entry), Some(part)) = (self.casters.get_mut(caster), part) else {
             return Taken::NoRoom;
         };
@@ -119,10 +124,10 @@ impl<'a> Facets<'a> {
             return Taken::Known;
         }
         let room = self.facets.get_mut(self.len..).unwrap_or(&mut []);
-        let Some(room) = room.get_mut(..shape.len()) else {
+        let Some(room) = room.get_mut(..len) else {
             return Taken::NoRoom;
         };
-        for (facet, corners) in room.iter_mut().zip(shape.clone()) {
+        for (facet, corners) in room.iter_mut().zip(triangles) {
             *facet = Facet {
                 corners,
                 slot,

@@ -14,10 +14,10 @@ pub mod facets;
 pub mod map;
 pub mod toward;
 
+use crate::Arith;
 use crate::deep::Stored;
 use crate::memory::Slot;
 use crate::tables::{SRGB_TO_LINEAR, linear_to_srgb};
-use crate::{Arith, deep};
 use facets::{Facet, Facets, Taken};
 use map::{Maps, Window};
 use toward::{Aim, Toward};
@@ -151,7 +151,22 @@ impl<'a> Lights<'a> {
     /// Takes a part of the shape of an object; one that is known changes nothing. False where
     /// there is no room for it.
     pub fn shape(&mut self, shape: &Shape<'_>) -> bool {
-        let taken = self.facets.take(shape);
+        self.take(shape.object(), shape.part(), shape.len(), shape.clone())
+    }
+
+    /// The same of triangles.
+    pub fn triangles(&mut self, object: u8, part: u8, triangles: &[[[i16; 3]; 3]]) -> bool {
+        self.take(object, part, triangles.len(), triangles.iter().copied())
+    }
+
+    fn take(
+        &mut self,
+        object: u8,
+        part: u8,
+        len: usize,
+        triangles: impl Iterator<Item = [[i16; 3]; 3]>,
+    ) -> bool {
+        let taken = self.facets.take(object, part, len, triangles);
         self.stale |= taken == Taken::New;
         taken != Taken::NoRoom
     }
@@ -285,11 +300,6 @@ fn parts_of(tint: [u16; 2]) -> [[u16; 3]; CODES] {
         let [red, blue] = tint.map(u64::from);
         [part(red), part(256), part(blue)]
     })
-}
-
-/// The slot of an object that throws shadows.
-fn slot_of(shape: &Shape<'_>) -> u8 {
-    deep::slot(shape.object())
 }
 
 /// A window as the twin reads it.
