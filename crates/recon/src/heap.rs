@@ -2,7 +2,9 @@
 
 use crate::arith::{Arith, Moments, Projected, Sums, Texel};
 use crate::deep::Stored;
-use crate::light::{self, facets::Facet, toward::Toward};
+use crate::light::facets::Facet;
+use crate::light::map::{WINDOWS, Window};
+use crate::light::{self, toward::Toward};
 use crate::memory::{Memory, Needs, Slot};
 use crate::rest::Mean;
 use crate::tiles::Cell;
@@ -34,6 +36,7 @@ pub struct HeapStorage<A: Arith> {
     facets: Vec<Facet>,
     towards: Vec<[Toward; LAMPS]>,
     shadows: Vec<u16>,
+    windows: Vec<Window>,
 }
 
 impl<A: Arith> HeapStorage<A> {
@@ -62,6 +65,7 @@ impl<A: Arith> HeapStorage<A> {
             facets: vec![Facet::EMPTY; light::FACETS],
             towards: vec![[Toward::ZERO; LAMPS]; 256],
             shadows: vec![0; light::TEXELS],
+            windows: vec![Window::EMPTY; WINDOWS],
         }
     }
 
@@ -89,6 +93,7 @@ impl<A: Arith> HeapStorage<A> {
                 facets: &mut self.facets,
                 towards: &mut self.towards,
                 texels: &mut self.shadows,
+                windows: &mut self.windows,
             },
         }
     }

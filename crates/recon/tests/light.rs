@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use unframed_recon::Fixed;
 use unframed_recon::deep::{Placing, Stored, slot};
 use unframed_recon::light::facets::{CASTERS, Facet, Facets, PARTS, Taken};
-use unframed_recon::light::map::WINDOWS;
+use unframed_recon::light::map::{WINDOWS, Window};
 use unframed_recon::light::toward::{Aim, Toward};
 use unframed_recon::light::{Lights, Memory, WHOLE};
 use unframed_recon::memory::Slot;
@@ -72,6 +72,7 @@ struct Room {
     facets: Vec<Facet>,
     towards: Vec<[Toward; LAMPS]>,
     texels: Vec<u16>,
+    windows: Vec<Window>,
 }
 
 impl Room {
@@ -80,6 +81,7 @@ impl Room {
             facets: vec![Facet::EMPTY; facets],
             towards: vec![[Toward::ZERO; LAMPS]; 256],
             texels: vec![0; texels],
+            windows: vec![Window::EMPTY; WINDOWS],
         }
     }
 
@@ -88,6 +90,7 @@ impl Room {
             facets: &mut self.facets,
             towards: &mut self.towards,
             texels: &mut self.texels,
+            windows: &mut self.windows,
         })
     }
 }

@@ -7,7 +7,7 @@ use crate::pass::Words;
 use bytemuck::{Pod, Zeroable};
 use unframed_recon::Fixed;
 use unframed_recon::light::facets::Facet;
-use unframed_recon::light::map::WINDOWS;
+use unframed_recon::light::map::{WINDOWS, Window};
 use unframed_recon::light::toward::{FACES, Toward};
 use unframed_recon::light::{CODES, FACETS, Lights, Memory, TEXELS};
 use unframed_recon::memory::Slot;
@@ -72,6 +72,7 @@ pub(super) struct OwnLights {
     facets: Vec<Facet>,
     towards: Vec<[Toward; LAMPS]>,
     texels: Vec<u16>,
+    windows: Vec<Window>,
     /// What the adapter has.
     told: Box<Lamps>,
     /// [`unframed_recon::light::map::Maps::drawings`] of the texels that the adapter has.
@@ -86,6 +87,7 @@ impl OwnLights {
             facets: vec![Facet::EMPTY; FACETS],
             towards: vec![[Toward::ZERO; LAMPS]; SLOTS],
             texels: vec![0; TEXELS],
+            windows: vec![Window::EMPTY; WINDOWS],
             told: Box::new(Lamps::zeroed()),
             drawings: 0,
         }
@@ -98,6 +100,7 @@ impl OwnLights {
             facets: &mut self.facets,
             towards: &mut self.towards,
             texels: &mut self.texels,
+            windows: &mut self.windows,
         });
         let result = used(&mut lights);
         self.lights = lights.over(Memory::default());

@@ -7,6 +7,7 @@ use unframed_recon::encode::ENCODED;
 use unframed_recon::fill::{self, pyramid_len};
 use unframed_recon::hidden::{self, Minima, minima_len};
 use unframed_recon::light::facets::Facet;
+use unframed_recon::light::map::{WINDOWS, Window};
 use unframed_recon::light::toward::Toward;
 use unframed_recon::light::{self, Lights};
 use unframed_recon::memory::Slot;
@@ -109,10 +110,12 @@ impl Stages {
         let mut facets = vec![Facet::EMPTY; light::FACETS];
         let mut towards = vec![[Toward::ZERO; LAMPS]; 256];
         let mut shadows = vec![0; light::TEXELS];
+        let mut windows = vec![Window::EMPTY; WINDOWS];
         let lights = Lights::new(light::Memory {
             facets: &mut facets,
             towards: &mut towards,
             texels: &mut shadows,
+            windows: &mut windows,
         });
         let contents = contents(bytes, &mut map, lights);
         let (mut projected, own_widths) = project(config, &panel, &map, &contents);

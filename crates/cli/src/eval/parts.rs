@@ -22,10 +22,10 @@ pub enum Part {
     Lifetimes,
     /// Sampler: lifetimes balance staleness against noise, instead of a tolerance.
     Balance,
-    /// Sampler: samples look from where the eye will be.
-    Ahead,
     /// Sampler: cuts are noticed.
     Cuts,
+    /// Sampler: samples look from where the eye will be.
+    Ahead,
     /// Stream and display: the display draws shadows of what moves.
     Lamps,
     /// Display: samples behind others are dropped.

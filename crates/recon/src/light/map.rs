@@ -36,6 +36,18 @@ pub struct Window {
     pub first: u32,
 }
 
+impl Window {
+    /// Nothing.
+    pub const EMPTY: Self = Self {
+        slot: 0,
+        caster: 0,
+        corner: [0; 2],
+        size: [0; 2],
+        shift: 0,
+        first: 0,
+    };
+}
+
 /// A box on a face: from, to.
 type Extent = [[i32; 2]; 2];
 const NOWHERE: Extent = [[i32::MAX; 2], [i32::MIN; 2]];
@@ -44,7 +56,7 @@ const NOWHERE: Extent = [[i32::MAX; 2], [i32::MIN; 2]];
 #[derive(Debug)]
 pub struct Maps<'a> {
     texels: &'a mut [u16],
-    windows: [Window; WINDOWS],
+    windows: &'a mut [Window],
     count: usize,
     /// Where the windows of each face of each lamp begin.
     faces: [u8; LAMPS * FACES + 1],
@@ -52,11 +64,11 @@ pub struct Maps<'a> {
 }
 
 impl<'a> Maps<'a> {
-    /// Over storage for texels.
-    pub fn new(texels: &'a mut [u16]) -> Self {
+    /// Over storage for texels and for windows, of which [`WINDOWS`] are used at most.
+    pub fn new(texels: &'a mut [u16], windows: &'a mut [Window]) -> Self {
         Self {
             texels,
-            windows: [Window::default(); WINDOWS],
+            windows,
             count: 0,
             faces: [0; LAMPS * FACES + 1],
             drawings: 0,
@@ -64,10 +76,10 @@ impl<'a> Maps<'a> {
     }
 
     /// The same over other storage, which holds what this one's held.
-    pub(super) fn over(self, texels: &mut [u16]) -> Maps<'_> {
+    pub(super) fn over<'b>(self, texels: &'b mut [u16], windows: &'b mut [Window]) -> Maps<'b> {
         Maps {
             texels,
-            windows: self.windows,
+            windows,
             count: self.count,
             faces: self.faces,
             drawings: self.drawings,
@@ -220,6 +232,7 @@ impl<'a> Maps<'a> {
                 let texels = area(extent, shift);
                 let facet = facets.iter().find(|f| usize::from(f.caster) == caster);
                 if texels > 0
+                    && self.count < WINDOWS
                     && let Some(facet) = facet
                     && let Some(window) = self.windows.get_mut(self.count)
                 {

@@ -46,6 +46,8 @@ pub struct Memory<'a> {
     pub towards: &'a mut [[Toward; LAMPS]],
     /// Texels of the shadow maps: the more, the finer are the shadows' edges.
     pub texels: &'a mut [u16],
+    /// Where in the maps objects are drawn: [`map::WINDOWS`] at most.
+    pub windows: &'a mut [Window],
 }
 
 /// Storage of fixed capacity: `F` triangles, `O` objects with the sky, `T` texels.
@@ -54,6 +56,7 @@ pub struct Storage<const F: usize, const O: usize, const T: usize> {
     facets: [Facet; F],
     towards: [[Toward; LAMPS]; O],
     texels: [u16; T],
+    windows: [Window; map::WINDOWS],
 }
 
 impl<const F: usize, const O: usize, const T: usize> Storage<F, O, T> {
@@ -64,6 +67,7 @@ impl<const F: usize, const O: usize, const T: usize> Storage<F, O, T> {
             facets: [Facet::EMPTY; F],
             towards: [[Toward::ZERO; LAMPS]; O],
             texels: [0; T],
+            windows: [Window::EMPTY; map::WINDOWS],
         }
     }
 
@@ -73,6 +77,7 @@ impl<const F: usize, const O: usize, const T: usize> Storage<F, O, T> {
             facets: &mut self.facets,
             towards: &mut self.towards,
             texels: &mut self.texels,
+            windows: &mut self.windows,
         }
     }
 }
@@ -104,7 +109,7 @@ impl<'a> Lights<'a> {
             parts: [[[0; 3]; CODES]; LAMPS],
             facets: Facets::new(memory.facets),
             towards: memory.towards,
-            maps: Maps::new(memory.texels),
+            maps: Maps::new(memory.texels, memory.windows),
             stale: false,
         }
     }
@@ -118,7 +123,7 @@ impl<'a> Lights<'a> {
             parts: self.parts,
             facets: self.facets.over(memory.facets),
             towards: memory.towards,
-            maps: self.maps.over(memory.texels),
+            maps: self.maps.over(memory.texels, memory.windows),
             stale: self.stale,
         }
     }
