@@ -1,5 +1,7 @@
 //! Light of the instant against `f64`: places, maps, what shares take away; and what no host sends.
 
+#![cfg(feature = "light")]
+
 use proptest::prelude::*;
 use unframed_recon::Fixed;
 use unframed_recon::deep::{Placing, Stored, slot};

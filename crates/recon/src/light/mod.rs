@@ -88,6 +88,9 @@ impl<const F: usize, const O: usize, const T: usize> Default for Storage<F, O, T
     }
 }
 
+/// Whether this display draws shadows at all (feature `light`); without, nothing of it is linked.
+const DRAWS: bool = cfg!(feature = "light");
+
 /// Lamps, and what stands before them.
 #[derive(Debug)]
 pub struct Lights<'a> {
@@ -141,7 +144,7 @@ impl<'a> Lights<'a> {
         let (Some(known), Some(parts), true) = (
             self.lamps.get_mut(index),
             self.parts.get_mut(index),
-            lamp.is_valid(),
+            DRAWS && lamp.is_valid(),
         ) else {
             return false;
         };
@@ -171,6 +174,9 @@ impl<'a> Lights<'a> {
         len: usize,
         triangles: impl Iterator<Item = [[i16; 3]; 3]>,
     ) -> bool {
+        if !DRAWS {
+            return false;
+        }
         let taken = self.facets.take(object, part, len, triangles);
         self.stale |= taken == Taken::New;
         taken != Taken::NoRoom
@@ -179,13 +185,13 @@ impl<'a> Lights<'a> {
     /// Whether any sample may lie in a shadow.
     #[must_use]
     pub fn shines(&self) -> bool {
-        self.maps.any()
+        DRAWS && self.maps.any()
     }
 
     /// Draws the maps of an instant, of which `slots` has the poses; what did not change is not
     /// drawn again. Returns whether anything was: then shadows are others than they were.
     pub fn prepare<A: Arith>(&mut self, slots: &[Slot<A>]) -> bool {
-        if self.facets.is_empty() || self.lamps.iter().all(Option::is_none) {
+        if !DRAWS || self.facets.is_empty() || self.lamps.iter().all(Option::is_none) {
             return false;
         }
         let mut stale = core::mem::take(&mut self.stale);
@@ -212,7 +218,7 @@ impl<'a> Lights<'a> {
     #[inline]
     #[must_use]
     pub fn relight(&self, sample: &Stored) -> [u8; 3] {
-        if sample.shares.0 == 0 || !self.maps.any() {
+        if !DRAWS || sample.shares.0 == 0 || !self.maps.any() {
             return sample.rgb;
         }
         self.shaded(sample)
