@@ -93,6 +93,9 @@ pub struct Source {
     /// How to sample and reconstruct.
     #[arg(long, value_enum, default_value_t = Method::Adaptive)]
     pub method: Method,
+    /// Leave all shadows in the samples: for displays that draw none, as the images for boards.
+    #[arg(long)]
+    pub no_lamps: bool,
 }
 
 /// Which display hardware.

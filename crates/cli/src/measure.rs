@@ -129,7 +129,10 @@ pub fn host(source: &Source, method: Method, world: World) -> Host {
         method,
         world,
         Sampling::default(),
-        Detail::default(),
+        Detail {
+            lamps: !source.no_lamps,
+            ..Detail::default()
+        },
     )
 }
 

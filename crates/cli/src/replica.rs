@@ -265,6 +265,7 @@ mod tests {
             },
             seed: 1,
             method: Method::Adaptive,
+            no_lamps: false,
         };
         let mut host = host(&source, Method::Adaptive, world.clone());
         let mut storage = HeapStorage::<Fixed>::new(SIDE, SIDE, SAMPLES);

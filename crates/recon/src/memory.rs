@@ -16,6 +16,7 @@
 //! | picture | 3 W H | |
 //! | tile map | 5 W H / 16 | |
 //! | poses and their transforms | 240 O | |
+//! | triangles, texels, ways to lamps, windows | 20, 2, 96 O, 24 · 64 | [`crate::light::Memory`], not empty |
 
 use crate::arith::{Aligned, Arith, Moments, Panel, Projected, Sums, Texel};
 use crate::bins::Grid;

@@ -8,6 +8,7 @@ use unframed_recon::Config;
 use unframed_recon::config::NAMED;
 use unframed_sim::boards::elf::Contents;
 use unframed_sim::boards::{Board, Firmware, Image, Job, Report, Target};
+use unframed_wire::{Packet, Receiver};
 
 use super::read_stream;
 use crate::args::{BoardKind, FirmwareArgs, FirmwareCommand, FirmwareRunArgs};
@@ -113,6 +114,17 @@ fn line(report: &Report) -> Option<(f64, f64)> {
     Some((least.show as f64 - slope * least.samples as f64, slope))
 }
 
+/// Whether a stream's samples leave shadows to the display.
+fn has_lamps(mut stream: &[u8]) -> bool {
+    let mut receiver = Receiver::new();
+    while let Some(packet) = receiver.push(&mut stream) {
+        if let Packet::Hello(hello) = packet {
+            return hello.lamps > 0;
+        }
+    }
+    false
+}
+
 fn run(source: &Firmware, args: &FirmwareRunArgs) -> Result<()> {
     let method = &args.method;
     if Config::parse(method.as_bytes()).is_none() {
@@ -124,6 +136,12 @@ fn run(source: &Firmware, args: &FirmwareRunArgs) -> Result<()> {
         );
     }
     let stream = read_stream(&args.file)?;
+    ensure!(
+        !has_lamps(&stream),
+        "{}: its samples leave shadows to the display, and the images draw none; record it again \
+         with --no-lamps",
+        args.file.display()
+    );
     let job = Job {
         stream: &stream,
         method,

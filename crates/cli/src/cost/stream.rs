@@ -49,6 +49,7 @@ impl Stream {
             size,
             seed,
             method: knobs.method,
+            no_lamps: false,
         };
         let mut host = detailed(
             &source,
