@@ -157,3 +157,67 @@ impl Eye for Gaze<'_> {
         camera.project_direction(offset).is_some() && moment.is_clear(offset, end)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A view that turns and flies evenly, at an instant; it jumps at 1 s.
+    fn view(t: f64) -> Camera {
+        let far = if t >= 1.0 { 5.0 } else { 0.0 };
+        let turn = Quat::from_rotation_y(0.8 * t as f32 + far) * Quat::from_rotation_x(0.2);
+        Camera {
+            eye: Vec3::new(1.2 * t as f32 + far, 1.0, -0.5 * t as f32),
+            right: turn * Vec3::X,
+            down: turn * Vec3::NEG_Y,
+            forward: turn * Vec3::NEG_Z,
+            focal: 200.0,
+            centre: Vec2::splat(128.0),
+            aperture: 0.0,
+            focus: 1.0,
+        }
+    }
+
+    const SPAN: f64 = 1.0 / 60.0;
+
+    fn ahead(t0: f64) -> Ahead {
+        let views = [2.0, 1.0, 0.0].map(|spans| view(t0 - spans * SPAN));
+        Ahead::predict([&views[0], &views[1], &views[2]], t0, t0 + SPAN)
+    }
+
+    fn off(a: &Camera, b: &Camera) -> f32 {
+        a.eye.distance(b.eye) + a.forward.distance(b.forward) + a.right.distance(b.right)
+    }
+
+    #[test]
+    fn an_even_motion_is_predicted() {
+        let ahead = ahead(0.5);
+        for part in [0.0, 0.3, 0.7, 1.0] {
+            let t = 0.5 + part * SPAN;
+            let seen = ahead.view(t, &view(t));
+            assert!(off(&seen, &view(0.5 + SPAN)) < 1e-4, "at {part}");
+        }
+        assert!(off(&view(0.5), &view(0.5 + SPAN)) > 0.02, "it moves");
+    }
+
+    #[test]
+    fn a_view_that_jumped_is_where_it_is() {
+        // Before the beginning, between the views that are known.
+        let t0 = 1.0 + 0.5 * SPAN;
+        assert!(off(&ahead(t0).view(t0, &view(t0)), &view(t0)) < 1e-4);
+        // Within the span.
+        let t0 = 1.0 - 0.5 * SPAN;
+        let ahead = ahead(t0);
+        let before = t0 + 0.2 * SPAN;
+        assert!(off(&ahead.view(before, &view(before)), &ahead.to) < 1e-6);
+        let after = t0 + 0.7 * SPAN;
+        assert!(off(&ahead.view(after, &view(after)), &view(after)) < 1e-6);
+    }
+
+    #[test]
+    fn a_view_at_rest_stays() {
+        let now = view(0.3);
+        let ahead = Ahead::predict([&now, &now, &now], 0.3, 0.3 + SPAN);
+        assert!(off(&ahead.view(0.31, &now), &now) < 1e-6);
+    }
+}

@@ -140,3 +140,37 @@ pub(super) fn lamps(world: &World, quantiser: &Quantiser, time: f64) -> Vec<Lamp
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_hold_every_triangle_and_fit_into_packets() {
+        // A grid of 40 × 40 squares, whose triangles share corners.
+        let at = |i: i16, k: i16| [i * 700, k * 600, (i * k) % 97];
+        let squares = (0..40).flat_map(|i| (0..40).map(move |k| (i, k)));
+        let triangles: Vec<[[i16; 3]; 3]> = squares
+            .flat_map(|(i, k)| {
+                let (a, b) = (at(i, k), at(i + 1, k));
+                let (c, d) = (at(i + 1, k + 1), at(i, k + 1));
+                [[a, b, c], [a, c, d]]
+            })
+            .collect();
+        let nothing = [[[5; 3], [5; 3], [6; 3]]];
+        let parts = cut(7, triangles.iter().chain(&nothing).copied());
+        let mut found = Vec::new();
+        for (index, part) in parts.iter().enumerate() {
+            assert_eq!((part.object, usize::from(part.index)), (7, index));
+            assert!(Shape::fits(part.vertices.len(), part.triangles.len()));
+            let corners = part.triangles.iter();
+            found.extend(corners.map(|t| t.map(|v| part.vertices[usize::from(v)])));
+        }
+        assert_eq!(found, triangles);
+        assert!(
+            parts.len() < 20,
+            "corners are shared: {} parts",
+            parts.len()
+        );
+    }
+}

@@ -92,3 +92,73 @@ pub(crate) fn shape(
     }
     Some(triangles)
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::{Vec2, Vec3};
+    use unframed_wire::Shares;
+
+    use crate::effects::care::Care;
+    use crate::scene::builtin::builtin;
+    use crate::trace::World;
+
+    /// Colours with all shadows in them against colours without those of what moves, from which the
+    /// light is taken of the lamps that a mover hides.
+    #[test]
+    fn shares_say_what_a_shadow_takes() {
+        for (name, shaded_at_least) in [("interactive", 60), ("walkthrough", 60), ("toycar", 20)] {
+            let scene = builtin(name).expect("a built-in scene");
+            let mut world = World::new(scene, [96, 96]).expect("a sound scene");
+            assert_eq!(world.lamps_left(), 2, "{name}");
+            let (mut shaded, mut off, mut count) = (0, 0.0f32, 0);
+            for time in [0.2, 0.9, 1.6] {
+                world.prepare(time, time);
+                let moment = world.moment(time);
+                for i in 0..96 * 96 {
+                    let pixel = Vec2::new((i % 96) as f32, (i / 96) as f32) + 0.5;
+                    let (closed, _) = moment.look_with(pixel, i, Care::default());
+                    let open = Care {
+                        open: true,
+                        ..Care::default()
+                    };
+                    let (open, _) = moment.look_with(pixel, i, open);
+                    assert_eq!(closed.shares, Shares::default());
+                    assert_eq!((open.object, open.local), (closed.object, closed.local));
+                    if open.colour == closed.colour {
+                        continue;
+                    }
+                    shaded += 1;
+                    // Which lamps are hidden follows from the nearest of the three possibilities.
+                    let part = |lamp| {
+                        let left = f32::from(15 - open.shares.code(lamp)) / 15.0;
+                        1.0 - left * left
+                    };
+                    let possible = [part(0), part(1), (part(0) + part(1)).min(1.0)];
+                    let error = |taken: f32| {
+                        let shown = |light: f32| light.max(0.0).powf(1.0 / 2.2);
+                        let green = open.colour.y * (1.0 - taken);
+                        (shown(green) - shown(closed.colour.y)).abs()
+                    };
+                    off += possible.into_iter().map(error).fold(f32::MAX, f32::min);
+                    count += 1;
+                    assert!(closed.colour.cmple(open.colour + Vec3::splat(1e-5)).all());
+                }
+            }
+            assert!(
+                shaded >= shaded_at_least,
+                "{name}: {shaded} in shadows of movers"
+            );
+            let mean = off / count as f32;
+            assert!(mean < 0.03, "{name}: shadows are {mean} off");
+        }
+    }
+
+    #[test]
+    fn where_nothing_moves_nothing_is_left_to_the_display() {
+        let mut scene = builtin("interactive").expect("a built-in scene");
+        scene.channels.clear();
+        scene.duration = 0.0;
+        let world = World::new(scene, [16, 16]).expect("a sound scene");
+        assert_eq!(world.lamps_left(), 0);
+    }
+}
