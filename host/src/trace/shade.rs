@@ -87,11 +87,14 @@ impl<'a> Shader<'a> {
         let [chance, _] = super::moment::unit_square(self.seed);
         Shares::new(self.brought.map(|light| {
             let (with, without) = (shown(colour), shown(colour - light));
+            if light == Vec3::ZERO || with.max_element() <= 0.0 {
+                return 0;
+            }
             // Displays take tints into account as against green.
             let left = if with.y > FAINT {
                 without.y / with.y
             } else {
-                without.max_element() / with.max_element().max(1e-6)
+                without.max_element() / with.max_element()
             };
             let most = f32::from(Shares::MAX);
             (most * (1.0 - left.clamp(0.0, 1.0).sqrt()) + chance) as u8
