@@ -254,6 +254,21 @@ impl<'a> Maps<'a> {
 }
 
 impl Window {
+    /// For the twin, its words: slot, corner, size in texels, shift, first texel.
+    #[must_use]
+    pub fn words(&self) -> [u32; 8] {
+        [
+            u32::from(self.slot),
+            self.corner[0] as u32,
+            self.corner[1] as u32,
+            u32::from(self.size[0]),
+            u32::from(self.size[1]),
+            self.shift,
+            self.first,
+            0,
+        ]
+    }
+
     /// The texel at a place of the face; beyond [`Window::size`] outside.
     #[inline]
     fn texel(&self, at: [i32; 2]) -> [u32; 2] {

@@ -312,21 +312,3 @@ fn parts_of(tint: [u16; 2]) -> [[u16; 3]; CODES] {
         [part(red), part(256), part(blue)]
     })
 }
-
-/// A window as the twin reads it.
-impl Window {
-    /// Its words: slot, corner, size in texels, shift, first texel.
-    #[must_use]
-    pub fn words(&self) -> [u32; 8] {
-        [
-            u32::from(self.slot),
-            self.corner[0] as u32,
-            self.corner[1] as u32,
-            u32::from(self.size[0]),
-            u32::from(self.size[1]),
-            self.shift,
-            self.first,
-            0,
-        ]
-    }
-}
