@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use unframed_wire::{End, Hello, Status, TileNode, ledger::Ledger};
 
-use crate::gaze::{Ahead, Gaze};
+use crate::gaze::Gaze;
 use crate::sampler::{Sampler, Shot, Span};
 use crate::stream::Detail;
 use crate::stream::sender::Promise;
@@ -197,14 +197,14 @@ impl Host {
             self.taken = due;
             let before = self.shots.len();
             let mut clock = Clock::new();
-            self.world.prepare(t0, t1);
+            let ahead = self.sampler.looks_ahead().then_some(t1);
+            match ahead {
+                Some(_) => self.world.foresee(t0, t1),
+                None => self.world.prepare(t0, t1),
+            }
             progress.rays += self.world.preparation();
             clock.lap(&mut self.spent.scene);
             let span = Span { t0, t1, shots };
-            let ahead = self.sampler.looks_ahead().then(|| {
-                let before = |spans: f64| self.world.camera(t0 - spans * (t1 - t0));
-                Ahead::predict([&before(2.0), &before(1.0), &before(0.0)], t0, t1)
-            });
             let gaze = Gaze {
                 world: &self.world,
                 open: self.sender.hello().lamps > 0,

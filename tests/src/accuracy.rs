@@ -20,7 +20,7 @@ use unframed_recon::{Arith, Config, Display, Fixed, Panel, Player};
 /// Steps of a log2 in one octave, as the integers count them.
 const STEPS: f64 = 2048.0;
 /// How close two depths were if rounding flipped their comparison, in such steps: each is within
-/// 1.25 steps of the truth, and [`Arith::behind`] adds half a step.
+/// 1.25 steps of the truth, and [`Arith::behind`] and [`Arith::nearer`] add half a step each.
 pub const CLOSE_DEPTHS: f64 = 3.0;
 /// How close a sample lay to a border that rounding moved it across, in steps of its coordinate,
 /// for the quotient alone.
@@ -366,6 +366,7 @@ impl<'a> Flipped<'a> {
                 || ours.near_mover != theirs.near_mover
                 || !close(f64::from(ours.limit) / STEPS, theirs.limit);
             if close(seen.depth, theirs.limit)
+                || close(seen.depth, f64::nearer(theirs.limit))
                 || theirs.reach.iter().any(|reach| close(theirs.limit, *reach))
             {
                 &mut flips.depths

@@ -225,6 +225,40 @@ pub enum EvalTable {
     Golden,
 }
 
+/// How much of an animation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Stretch {
+    /// All of it, once.
+    Loop,
+    /// Its first seconds, again from the beginning where it is shorter.
+    Seconds(f64),
+}
+
+impl Stretch {
+    /// In seconds, for an animation that takes `duration`; 0 does not move.
+    #[must_use]
+    pub fn of(self, duration: f64) -> f64 {
+        /// Of what does not move.
+        const STILL: f64 = 3.0;
+        /// A file may say anything.
+        const LONGEST: f64 = 60.0;
+        match self {
+            Self::Seconds(seconds) => seconds,
+            Self::Loop if duration > 0.0 => duration.min(LONGEST),
+            Self::Loop => STILL,
+        }
+    }
+}
+
+impl std::fmt::Display for Stretch {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Loop => f.write_str("loop"),
+            Self::Seconds(seconds) => write!(f, "{seconds}"),
+        }
+    }
+}
+
 /// `unframed eval`
 #[derive(Debug, Clone, Args)]
 pub struct EvalArgs {
@@ -237,9 +271,9 @@ pub struct EvalArgs {
     /// Methods, separated by commas; all without this.
     #[arg(long, value_delimiter = ',')]
     pub methods: Vec<EvalMethod>,
-    /// Simulated time, seconds.
-    #[arg(long, default_value_t = 3.0, value_parser = parse_seconds)]
-    pub seconds: f64,
+    /// Simulated time: seconds, or `loop` for each animation from its beginning to its end, once.
+    #[arg(long, default_value_t = Stretch::Loop, value_parser = parse_stretch)]
+    pub seconds: Stretch,
     /// How many seeds, from 1 on: mean and spread are reported.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
     pub seeds: u16,
@@ -429,6 +463,14 @@ fn parse_seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+fn parse_stretch(text: &str) -> Result<Stretch, String> {
+    if text == "loop" {
+        return Ok(Stretch::Loop);
+    }
+    let seconds = parse_seconds(text).map_err(|error| format!("{error}; or say `loop`"))?;
+    Ok(Stretch::Seconds(seconds))
+}
+
 fn parse_size(text: &str) -> Result<Size, String> {
     let limit = unframed_recon::Panel::LIMIT;
     let side = |side: &str| side.trim().parse::<u32>().ok();
@@ -488,6 +530,13 @@ mod tests {
 
     #[test]
     fn seconds() {
+        assert_eq!(parse_stretch("loop"), Ok(Stretch::Loop));
+        assert_eq!(parse_stretch("1.5"), Ok(Stretch::Seconds(1.5)));
+        assert!(parse_stretch("lop").is_err_and(|error| error.contains("loop")));
+        assert_eq!(Stretch::Loop.of(8.0), 8.0);
+        assert_eq!(Stretch::Seconds(0.5).of(8.0), 0.5);
+        assert!(Stretch::Loop.of(0.0) > 0.0);
+        assert!(Stretch::Loop.of(1e30) < 100.0);
         assert_eq!(parse_seconds("0.5"), Ok(0.5));
         for bad in ["0", "-1", "nan", "inf", "1e9", "x"] {
             assert!(parse_seconds(bad).is_err(), "{bad}");

@@ -216,6 +216,9 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
     /// (1, 2 or 32): a factor of 1 + 0.05·cell.
     fn behind(depth: Self::Depth, cell: u32) -> Self::Depth;
 
+    /// A depth of that test where something that moves passes before what does not: a factor of 1/1.03.
+    fn nearer(depth: Self::Depth) -> Self::Depth;
+
     /// The depth whose log2 in world units is `q11`, 11 fractional bits; clamped to what is told
     /// apart.
     fn depth_of_log(q11: i32) -> Self::Depth;

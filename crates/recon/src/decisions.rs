@@ -18,7 +18,8 @@ pub struct Decision<A: Arith> {
     pub transform: A::Transform,
     /// Index of the pixel it counted for: its own, or the nearest of the panel.
     pub pixel: usize,
-    /// The depth beyond which samples of that pixel are hidden.
+    /// The depth beyond which samples of that pixel are hidden; where `near_mover`, for one at rest
+    /// [`Arith::nearer`] than that.
     pub limit: A::Depth,
     /// Whether a sample of a moving object lies nearby.
     pub near_mover: bool,

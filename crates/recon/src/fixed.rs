@@ -154,6 +154,12 @@ impl Arith for Fixed {
         })
     }
 
+    #[inline]
+    fn nearer(depth: u16) -> u16 {
+        // log2(1.03) with 11 fractional bits.
+        depth.saturating_sub(87)
+    }
+
     fn depth_of_log(q11: i32) -> u16 {
         q11.saturating_sub(DEPTH_FIRST * 2048).clamp(0, 65534) as u16
     }

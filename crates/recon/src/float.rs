@@ -115,6 +115,10 @@ macro_rules! float_arith {
                 depth + $log2(1.0 + 0.05 * cell as $float)
             }
 
+            fn nearer(depth: $float) -> $float {
+                depth - $log2(1.03)
+            }
+
             fn depth_of_log(q11: i32) -> $float {
                 q11 as $float / 2048.0
             }

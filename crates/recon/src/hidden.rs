@@ -6,6 +6,9 @@
 //! 8th at 2 pixels, the largest at 32 pixels, each with a tolerance of 5 % of the depth times the
 //! cell's side. Minima commute, so the order of samples does not matter.
 //!
+//! Beside a moving object a sample of what stands still is hidden by something 3 % nearer to it: the
+//! tolerance is for surfaces that recede, and would let a wall show through what passes close before it.
+//!
 //! And a sample is spared where nothing can have moved before it since it was taken, see
 //! [`crate::motion`].
 
@@ -150,7 +153,13 @@ pub fn hides<A: Arith>(
     let (Some(limit), Some(mover)) = (limits.get(pixel), movers.get(pixel)) else {
         return false;
     };
-    (*limit < sample.depth) & (*limit <= reach.of(sample.past, *mover != 0))
+    let beside = *mover != 0;
+    let bound = if beside && !sample.past.moves() {
+        A::nearer(*limit)
+    } else {
+        *limit
+    };
+    (bound < sample.depth) & (*limit <= reach.of(sample.past, beside))
 }
 
 /// The three levels of minima of a band of rows of pixels.

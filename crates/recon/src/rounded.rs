@@ -131,6 +131,10 @@ impl<B: Bits> Arith for Rounded<B> {
         round(f64::behind(depth, cell), B::DEPTH)
     }
 
+    fn nearer(depth: f64) -> f64 {
+        round(f64::nearer(depth), B::DEPTH)
+    }
+
     fn depth_of_log(q11: i32) -> f64 {
         round(f64::depth_of_log(q11), B::DEPTH)
     }

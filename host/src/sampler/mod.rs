@@ -30,15 +30,18 @@ use crate::trace::{Hit, Rays, World};
 
 /// All that a sampler may know of the scene: the view, the poses, and what a ray finds.
 ///
-/// Times are seconds of simulated time. Views and poses of the near future may be asked for: an
-/// animation is known ahead, and for a live camera this is the place of a predictor. No sampler
-/// here looks further ahead than half a span.
+/// Times are seconds of simulated time, within the span in question. What a sampler that looks ahead
+/// ([`Sampler::looks_ahead`]) sees at an instant is the end of the span, as foreseen then.
 pub trait Eye: Sync {
     /// The camera at an instant.
     fn camera(&self, time: f64) -> Camera;
     /// From an object's own coordinates to the world, metres. Object 0 is the static world; for
     /// [`unframed_wire::SKY`] the translation to the eye.
     fn pose(&self, object: u8, time: f64) -> Affine3A;
+    /// The instant, seconds, of which that tells what is seen at `time`: the same, or the end of the span.
+    fn as_of(&self, time: f64) -> f64 {
+        time
+    }
     /// What is seen through a place of the image, in pixels from the top left corner.
     fn look(&self, time: f64, pixel: Vec2, seed: u32) -> Hit;
     /// What is seen from the eye in a direction whose component along the camera's axis is 1.
@@ -137,9 +140,11 @@ impl Span {
 /// One sample: when, where on the image, and what was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shot {
-    /// The instant, seconds.
+    /// The instant at which it was taken, seconds.
     pub time: f64,
-    /// Place on the image at that instant, pixels from the top left corner; within the image.
+    /// The instant of which it tells, seconds: that, or later if it was foreseen.
+    pub as_of: f64,
+    /// Place on the image then, pixels from the top left corner; within the image.
     pub pixel: Vec2,
     /// What the ray found.
     pub hit: Hit,
@@ -184,8 +189,7 @@ pub trait Sampler: Send {
         Rays::default()
     }
 
-    /// Whether its samples look from where the eye will be at the end of a span, as predicted at
-    /// its beginning.
+    /// Whether its samples see everything, the eye included, as it is foreseen to be at the end of a span.
     fn looks_ahead(&self) -> bool {
         false
     }
@@ -240,6 +244,7 @@ fn trace(plans: &[Plan], size: UVec2, eye: &dyn Eye, seen: &mut Vec<Seen>) {
         Seen {
             shot: Shot {
                 time: plan.time,
+                as_of: eye.as_of(plan.time),
                 pixel,
                 hit,
             },
@@ -267,6 +272,7 @@ fn trace(plans: &[Plan], size: UVec2, eye: &dyn Eye, seen: &mut Vec<Seen>) {
             Seen {
                 shot: Shot {
                     time: plan.time,
+                    as_of: eye.as_of(plan.time),
                     pixel,
                     hit,
                 },

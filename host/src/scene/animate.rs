@@ -7,6 +7,20 @@ use glam::{Affine3A, Quat, Vec3};
 
 use super::model::{Channel, Interpolation, Scene, Track};
 
+/// A transform in its parts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Parts {
+    pub(super) scale: Vec3,
+    pub(super) rotation: Quat,
+    pub(super) translation: Vec3,
+}
+
+impl Parts {
+    pub(super) fn transform(&self) -> Affine3A {
+        Affine3A::from_scale_rotation_translation(self.scale, self.rotation, self.translation)
+    }
+}
+
 /// Which nodes move, and the channels that move them.
 ///
 /// Made for one scene; asking it about another gives meaningless poses (but does not panic as
@@ -69,20 +83,30 @@ impl Animation {
     /// The node's transform relative to its parent at `t` seconds.
     #[must_use]
     pub fn local(&self, scene: &Scene, node: usize, t: f64) -> Affine3A {
+        self.parts(scene, node, t).transform()
+    }
+
+    /// The same in its parts.
+    pub(super) fn parts(&self, scene: &Scene, node: usize, t: f64) -> Parts {
         let rest = &scene.nodes[node];
         let [translation, rotation, scale] = self.drivers[node];
         let channel = |slot: Option<usize>| slot.map(|c| &scene.channels[c]);
-        Affine3A::from_scale_rotation_translation(
-            channel(scale)
+        Parts {
+            scale: channel(scale)
                 .and_then(|c| vector_at(c, t))
                 .unwrap_or(rest.scale),
-            channel(rotation)
+            rotation: channel(rotation)
                 .and_then(|c| rotation_at(c, t))
                 .unwrap_or(rest.rotation),
-            channel(translation)
+            translation: channel(translation)
                 .and_then(|c| vector_at(c, t))
                 .unwrap_or(rest.translation),
-        )
+        }
+    }
+
+    /// Whether the node's own transform varies.
+    pub(super) fn varies(&self, node: usize) -> bool {
+        self.carrier[node] == Some(node)
     }
 
     /// The node's transform to the world at `t` seconds.
@@ -100,11 +124,21 @@ impl Animation {
     /// All transforms to the world at `t`. With `poses` filled by an earlier call only the nodes
     /// that move are evaluated.
     pub fn world_all(&self, scene: &Scene, t: f64, poses: &mut Vec<Affine3A>) {
+        self.compose(scene, |node| self.local(scene, node, t), poses);
+    }
+
+    /// All transforms to the world, of local ones; as [`Self::world_all`].
+    pub(super) fn compose(
+        &self,
+        scene: &Scene,
+        local: impl Fn(usize) -> Affine3A,
+        poses: &mut Vec<Affine3A>,
+    ) {
         let fresh = poses.len() != scene.nodes.len();
         poses.resize(scene.nodes.len(), Affine3A::IDENTITY);
         for (i, node) in scene.nodes.iter().enumerate() {
             if fresh || self.moving[i] {
-                let local = self.local(scene, i, t);
+                let local = local(i);
                 poses[i] = node.parent.map_or(local, |p| poses[p] * local);
             }
         }

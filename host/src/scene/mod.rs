@@ -6,6 +6,7 @@
 pub mod animate;
 pub mod builtin;
 pub mod calls;
+mod foresee;
 pub mod gltf;
 pub mod model;
 pub mod open;

@@ -144,12 +144,12 @@ impl Sender {
             let count = rest
                 .iter()
                 .take(PACKET_SAMPLES)
-                .take_while(|shot| shot.time - first.time < PACKET_SPAN)
+                .take_while(|shot| shot.as_of - first.as_of < PACKET_SPAN)
                 .count();
             let (packet, tail) = rest.split_at(count.max(1));
             rest = tail;
-            let last = packet.last().map_or(first.time, |shot| shot.time);
-            self.packet(tick(0.5 * (first.time + last)), packet, out)?;
+            let last = packet.last().map_or(first.as_of, |shot| shot.as_of);
+            self.packet(tick(0.5 * (first.as_of + last)), packet, out)?;
         }
         Ok(())
     }

@@ -38,9 +38,19 @@ pub(crate) struct Knot {
     pub(crate) lamp_poses: Vec<Affine3A>,
 }
 
+/// How a stretch of time is to be seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Outlook {
+    /// Each instant as it is.
+    Present,
+    /// Each instant as what was foreseen of the stretch's end at its beginning, or at the last corner.
+    End,
+}
+
 /// The prepared stretch. Invariant: at least one knot, times ascending.
 #[derive(Clone)]
 pub(crate) struct Epoch {
+    pub(crate) outlook: Outlook,
     pub(crate) knots: Vec<Knot>,
     /// Movers that can be seen, and what each sweeps over.
     pub(crate) swept: Vec<(u32, Aabb)>,
@@ -50,15 +60,21 @@ pub(crate) struct Epoch {
 
 impl Epoch {
     /// The instants to evaluate for `t0..=t1`.
-    pub(crate) fn times(t0: f64, t1: f64, corners: &[f64]) -> Vec<f64> {
+    pub(crate) fn times(t0: f64, t1: f64, corners: &[f64], outlook: Outlook) -> Vec<f64> {
         let t1 = t1.max(t0);
-        let steps = ((t1 - t0) / SPACING).ceil().clamp(0.0, MAX_KNOTS);
         let mut times = vec![t0];
-        for i in 1..=steps as u32 {
-            times.push(t0 + (t1 - t0) * f64::from(i) / steps);
-        }
-        for &corner in corners {
-            times.extend([(corner - JUMP).max(t0), corner]);
+        match outlook {
+            Outlook::Present => {
+                let steps = ((t1 - t0) / SPACING).ceil().clamp(0.0, MAX_KNOTS);
+                for i in 1..=steps as u32 {
+                    times.push(t0 + (t1 - t0) * f64::from(i) / steps);
+                }
+                for &corner in corners {
+                    times.extend([(corner - JUMP).max(t0), corner]);
+                }
+            }
+            // What is foreseen holds until something unforeseen may have happened.
+            Outlook::End => times.extend(corners),
         }
         times.sort_by(f64::total_cmp);
         times.dedup();
@@ -83,6 +99,10 @@ impl Epoch {
         let after = self.knots.partition_point(|k| k.time <= t);
         if after == 0 || after == self.knots.len() {
             return (after.saturating_sub(1), 0.0);
+        }
+        if self.outlook == Outlook::End {
+            // What is foreseen at the next knot is not known yet.
+            return (after - 1, 0.0);
         }
         let (a, b) = (self.knots[after - 1].time, self.knots[after].time);
         (after - 1, ((t - a) / (b - a)) as f32)
@@ -125,6 +145,15 @@ pub(crate) fn sweep(local: &Aabb, poses: impl Iterator<Item = Affine3A>) -> Opti
     Some(Aabb::new(swept.min - pad, swept.max + pad))
 }
 
+/// The inverse; of a singular transform, which leaves nothing to be seen, zero.
+pub(crate) fn inverse_or_zero(pose: &Affine3A) -> Affine3A {
+    if pose.matrix3.determinant().is_normal() {
+        pose.inverse()
+    } else {
+        Affine3A::ZERO
+    }
+}
+
 /// Straight-line blend of two transforms.
 #[inline]
 pub(crate) fn blend(a: &Affine3A, b: &Affine3A, f: f32) -> Affine3A {
@@ -156,7 +185,7 @@ mod tests {
 
     #[test]
     fn knots_hold_corners_and_stay_close() {
-        let times = Epoch::times(1.0, 1.0035, &[1.002]);
+        let times = Epoch::times(1.0, 1.0035, &[1.002], Outlook::Present);
         assert_eq!((times[0], times[times.len() - 1]), (1.0, 1.0035));
         assert!(times.contains(&1.002));
         assert!(
@@ -164,8 +193,13 @@ mod tests {
                 .windows(2)
                 .all(|w| w[1] > w[0] && w[1] - w[0] <= SPACING * 1.0001)
         );
-        assert_eq!(Epoch::times(2.0, 2.0, &[]), [2.0]);
-        assert_eq!(Epoch::times(2.0, 1.0, &[]), [2.0]);
+        // What is foreseen holds from its beginning, and from each corner on.
+        let times = Epoch::times(1.0, 1.0035, &[1.002], Outlook::End);
+        assert_eq!(times, [1.0, 1.002]);
+        for outlook in [Outlook::Present, Outlook::End] {
+            assert_eq!(Epoch::times(2.0, 2.0, &[], outlook), [2.0]);
+            assert_eq!(Epoch::times(2.0, 1.0, &[], outlook), [2.0]);
+        }
     }
 
     #[test]

@@ -6,7 +6,7 @@ use unframed_wire::{SKY, Shares};
 
 use super::camera::Camera;
 use super::cone::{Cone, Footprint};
-use super::epoch::{blend, blend_cameras};
+use super::epoch::{blend, blend_cameras, inverse_or_zero};
 use super::geometry::{Attributes, Met, Spot};
 use super::light::Place;
 use super::shade::{Path, Shader, lifted};
@@ -71,11 +71,6 @@ impl<'a> Moment<'a> {
             f,
             camera,
         }
-    }
-
-    /// The same world at the same instant, seen by another camera.
-    pub(crate) fn seen_from(self, camera: Camera) -> Self {
-        Self { camera, ..self }
     }
 
     /// The camera of the instant.
@@ -198,6 +193,20 @@ impl<'a> Moment<'a> {
             }
         };
         (hit, shader.told)
+    }
+
+    /// From an object's own coordinates to the world; identity for the static world, a translation to the
+    /// eye for the sky.
+    pub(crate) fn pose(&self, object: u8) -> Affine3A {
+        if object == SKY {
+            return Affine3A::from_translation(self.camera.eye);
+        }
+        usize::from(object)
+            .checked_sub(1)
+            .and_then(|i| self.world.object_frames.get(i))
+            .map_or(Affine3A::IDENTITY, |&frame| {
+                inverse_or_zero(&self.inverse(frame))
+            })
     }
 
     /// Place of a lamp.

@@ -18,7 +18,7 @@ use super::Rays;
 use super::camera::Camera;
 use super::casters::{self, Casters};
 use super::check::{WorldError, check};
-use super::epoch::{Epoch, Knot, sweep};
+use super::epoch::{Epoch, Knot, Outlook, inverse_or_zero, sweep};
 use super::geometry::{Attributes, Geometry, NO_COLOURS, Soup};
 use super::light::{Lamp, Place, Source, lights_others};
 use super::moment::Moment;
@@ -127,6 +127,7 @@ impl World {
             .enumerate()
             .find_map(|(i, n)| Some((i, n.camera?)));
         let epoch = Epoch {
+            outlook: Outlook::Present,
             knots: Vec::new(),
             swept: Vec::new(),
             tree: None,
@@ -246,12 +247,31 @@ impl World {
     /// Makes the instants `t0..=t1` (seconds) ready for [`World::moment`]. Meant for a
     /// millisecond or a few; a loop of the animation at most.
     pub fn prepare(&mut self, t0: f64, t1: f64) {
+        self.prepare_for(t0, t1, Outlook::Present);
+    }
+
+    /// The same, but at each instant of `t0..t1` everything is where it will be at `t1`, as foreseen at `t0` from the
+    /// motion before it; and foreseen anew where a motion has a corner or a jump.
+    pub fn foresee(&mut self, t0: f64, t1: f64) {
+        self.prepare_for(t0, t1, Outlook::End);
+    }
+
+    /// All poses at an instant.
+    fn pose_all(&mut self, time: f64, t1: f64, outlook: Outlook) {
+        let (scene, poses) = (&self.scene, &mut self.poses);
+        match outlook {
+            Outlook::Present => self.animation.world_all(scene, time, poses),
+            Outlook::End => self.animation.foresee_all(scene, time, t1, poses),
+        }
+    }
+
+    fn prepare_for(&mut self, t0: f64, t1: f64, outlook: Outlook) {
         let corners = self.animation.corners(&self.scene, t0, t1);
-        let times = Epoch::times(t0, t1, &corners);
+        let times = Epoch::times(t0, t1, &corners, outlook);
         let mut frame_poses = Vec::with_capacity(times.len());
         let mut knots = Vec::with_capacity(times.len());
         for &time in &times {
-            self.animation.world_all(&self.scene, time, &mut self.poses);
+            self.pose_all(time, t1, outlook);
             let frames: Vec<Affine3A> = self.frames.iter().map(|&n| self.poses[n]).collect();
             let camera = match &self.camera {
                 Some((node, lens)) => self.camera_at(&self.poses[*node], lens),
@@ -275,21 +295,28 @@ impl World {
             Some((i as u32, sweep(&mover.bounds()?, poses)?))
         });
         self.epoch = Epoch {
+            outlook,
             knots,
             swept: swept.collect(),
             tree: None,
         };
         self.epoch.index();
+        // What there is one of for the whole stretch: in the present as in its middle.
+        let once = match outlook {
+            Outlook::Present => 0.5 * (t0 + t1),
+            Outlook::End => t0,
+        };
+        if self.skinned.is_some() {
+            self.pose_all(once, t1, outlook);
+        }
         if let Some(skinned) = &self.skinned {
-            self.animation
-                .world_all(&self.scene, 0.5 * (t0 + t1), &mut self.poses);
             let (mut corners, mut normals) = (Vec::new(), Vec::new());
             skinned.pose(&self.scene, &self.poses, &mut corners, &mut normals);
             self.skin.refit(&corners, &normals);
         }
-        let middle = self.moment(0.5 * (t0 + t1));
-        if middle.indirect() {
-            self.vpls = vpl::scatter(&middle, vpl::PATHS, vpl::NEAR);
+        let moment = self.moment(once);
+        if moment.indirect() {
+            self.vpls = vpl::scatter(&moment, vpl::PATHS, vpl::NEAR);
         }
     }
 
@@ -452,14 +479,6 @@ fn next_object(object_frames: &mut Vec<usize>, frame: usize) -> u8 {
     }
     object_frames.push(frame);
     object_frames.len() as u8
-}
-
-fn inverse_or_zero(pose: &Affine3A) -> Affine3A {
-    if pose.matrix3.determinant().is_normal() {
-        pose.inverse()
-    } else {
-        Affine3A::ZERO
-    }
 }
 
 /// Static triangles in world coordinates, and those of each carrier in its coordinates.

@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use serde_json::json;
 
 use super::{bar, make_out};
-use crate::args::EvalArgs;
+use crate::args::{EvalArgs, Stretch};
 use crate::eval::checks::checks;
 use crate::eval::page::{Findings, short};
 use crate::eval::plan::{Stage, stages};
@@ -129,7 +129,10 @@ fn write(args: &EvalArgs, stages: &[Stage], cells: &[(Job, Cell)], dir: &Path) -
     let found = Found::new(&plain, &args.scenes);
     let facts = json!({
         "size": [args.size.width, args.size.height],
-        "seconds": args.seconds,
+        "seconds": match args.seconds {
+            Stretch::Loop => serde_json::Value::from("loop"),
+            Stretch::Seconds(seconds) => seconds.into(),
+        },
         "refresh_hz": REFRESH_HZ,
         "seeds": args.seeds,
         "display_samples": args.samples,
@@ -160,7 +163,10 @@ fn write(args: &EvalArgs, stages: &[Stage], cells: &[(Job, Cell)], dir: &Path) -
             ("panel", format!("{}x{}", args.size.width, args.size.height)),
             (
                 "simulated",
-                format!("{} s at {REFRESH_HZ} Hz", args.seconds),
+                match args.seconds {
+                    Stretch::Loop => format!("each animation once, {REFRESH_HZ} Hz"),
+                    Stretch::Seconds(seconds) => format!("{seconds} s at {REFRESH_HZ} Hz"),
+                },
             ),
             ("seeds", args.seeds.to_string()),
             ("display keeps", format!("{} samples", short(args.samples))),

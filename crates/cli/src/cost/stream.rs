@@ -102,7 +102,12 @@ pub fn dense(world: &World, time: f64) -> Result<(Vec<u8>, usize)> {
             let place = Vec2::new((i % width) as f32, (i / width) as f32) + 0.5;
             let pixel = place / PLENTY as f32;
             let hit = moment.look(pixel, i);
-            Shot { time, pixel, hit }
+            Shot {
+                time,
+                as_of: time,
+                pixel,
+                hit,
+            }
         })
         .collect();
     let promise = Promise {

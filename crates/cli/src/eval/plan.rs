@@ -162,7 +162,7 @@ fn stage(args: &EvalArgs, root: &Path, name: String, scene: &Scene, kind: Kind) 
     let size = [args.size.width, args.size.height].map(u32::from);
     let world = World::new(scene.clone(), size).with_context(|| format!("cannot render {name}"))?;
     let (grid, seconds, first) = match kind {
-        Kind::Whole => (IDEAL_GRID, args.seconds, 0),
+        Kind::Whole => (IDEAL_GRID, args.seconds.of(scene.duration), 0),
         Kind::Still => (STILL_GRID, probes::STILL_SECONDS, 0),
         Kind::Cut => {
             // Refresh k is that of (k + 1)/60 s.

@@ -68,6 +68,10 @@ impl Sampler for Unmoved {
         self.inner.take_cut()
     }
 
+    fn looks_ahead(&self) -> bool {
+        self.inner.looks_ahead()
+    }
+
     fn effort(&self) -> Option<Effort> {
         self.inner.effort()
     }
@@ -97,6 +101,10 @@ impl Eye for StillEye<'_> {
         } else {
             Affine3A::IDENTITY
         }
+    }
+
+    fn as_of(&self, time: f64) -> f64 {
+        self.eye.as_of(time)
     }
 
     fn look(&self, time: f64, pixel: Vec2, seed: u32) -> Hit {

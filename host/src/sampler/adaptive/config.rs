@@ -20,7 +20,7 @@ pub struct Config {
     pub water_filling: bool,
     /// Whether lifetimes are measured (else they are `lifetime_max` everywhere).
     pub lifetimes: bool,
-    /// Whether samples look from where the eye will be at the end of a span.
+    /// Whether samples see everything, the eye included, as it will be at the end of a span.
     pub ahead: bool,
     /// Whether a scene that changes wholly is noticed.
     pub cuts: bool,

@@ -43,7 +43,7 @@ impl Adaptive {
         let mut finds = std::mem::take(&mut self.scratch.finds);
         finds.clear();
         for (seen, plan) in self.scratch.seen.iter().zip(&self.scratch.plans) {
-            let Shot { time, hit, .. } = seen.shot;
+            let Shot { as_of, hit, .. } = seen.shot;
             if !self.projection.knows(hit.object) {
                 self.objects.push(hit.object);
                 self.projection.prepare(hit.object, eye);
@@ -56,7 +56,7 @@ impl Adaptive {
                     local: hit.local,
                     object: hit.object,
                     colour: displayed(hit.colour),
-                    born: (time - self.projection.time()) as f32,
+                    born: (as_of - self.projection.time()) as f32,
                     points: Points::new(plan.seed, plan.care),
                 },
                 seen,

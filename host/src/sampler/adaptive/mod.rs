@@ -4,7 +4,7 @@
 //! and time, without frames. Different in its means. An epoch (a sixtieth of a second, say):
 //!
 //! 1. **Warp** ([`cells`]): what is remembered, on a map of half the image's resolution, moves to
-//!    the view and the poses of mid-epoch.
+//!    the view and the poses of the epoch's end, as they are foreseen.
 //! 2. **Lifetimes** ([`lifetime`]): verified samples say how fast light changes where, in every
 //!    epoch, warped or not: what became untrue at once is forgotten at once.
 //! 3. In batches of a few milliseconds: **allocate** ([`allocate`]) shots to 4×4-pixel tiles by
@@ -242,18 +242,23 @@ impl Sampler for Adaptive {
     fn epoch(&mut self, span: Span, eye: &dyn Eye, out: &mut Vec<Shot>) {
         let clock = std::time::Instant::now;
         let begin = clock();
-        let middle = 0.5 * (span.t0 + span.t1);
-        self.still = self.stands_still(middle, eye);
+        // What is foreseen at the beginning is of the end; else the middle stands for all of it.
+        let now = if self.config.ahead {
+            span.t0
+        } else {
+            0.5 * (span.t0 + span.t1)
+        };
+        self.still = self.stands_still(now, eye);
         let rests = self.still && !self.objects.is_empty();
         self.look_share = self.config.verify_share * if rests { RESTING_LOOKS } else { 1.0 };
         let looks = span.shots as f64 * f64::from(self.look_share);
         self.alarm.set_rate(looks / span.length());
-        if self.is_due(middle, eye) {
-            self.warp(middle, eye);
+        if self.is_due(now, eye) {
+            self.warp(now, eye);
         } else {
-            self.fade_gradients(middle);
+            self.fade_gradients(now);
         }
-        self.solve(middle);
+        self.solve(now);
         self.stats.seconds[0] += begin.elapsed().as_secs_f64();
         let fade = (-span.length() as f32 / self.config.residual_memory).exp();
         self.rates.iter_mut().for_each(|rate| *rate *= fade);

@@ -191,7 +191,9 @@ impl Paper {
             });
         }
         for i in 0..self.chunk.seen.len() {
-            let Shot { time, pixel, hit } = self.chunk.seen[i].shot;
+            let Shot {
+                time, pixel, hit, ..
+            } = self.chunk.seen[i].shot;
             match self.chunk.errands[i] {
                 Errand::Initial => {
                     let initial = Initial {
@@ -213,7 +215,9 @@ impl Paper {
 
     /// Makes a crosshair of sample `first` of the chunk and the arms that follow it.
     fn complete(&mut self, first: usize, arms: [bool; 4], before: Option<Initial>, occluded: bool) {
-        let Shot { time, pixel, hit } = self.chunk.seen[first].shot;
+        let Shot {
+            time, pixel, hit, ..
+        } = self.chunk.seen[first].shot;
         let mut next = first;
         let arms = arms.map(|there| {
             there.then(|| {

@@ -13,6 +13,8 @@
 // All zero before.
 @group(0) @binding(8) var<storage, read_write> counts: array<atomic<u32>>;
 
+// log2(1.03) with 11 fractional bits, see Arith::nearer.
+const NEARER: u32 = 87u;
 // log2 of the microseconds in a bucket of ages.
 const BUCKET_BITS: u32 = 12u;
 // Buckets of ages; the last holds all older samples.
@@ -40,8 +42,11 @@ fn main(
         let nearest = nearest_pixel(x, y);
         let limit = limits[nearest];
         // A sample of a moving object may itself have moved behind something.
-        let moving = slot(samples[i]) > STATIC_SLOT || movers[nearest] != 0u;
-        if limit < depth && limit <= reach_of(age(samples[i]), moving) {
+        let moves = slot(samples[i]) > STATIC_SLOT;
+        let beside = movers[nearest] != 0u;
+        var bound = limit;
+        if beside && !moves { bound -= min(bound, NEARER); }
+        if bound < depth && limit <= reach_of(age(samples[i]), moves || beside) {
             projected[i].depth_weight = depth;
             return;
         }
