@@ -24,7 +24,7 @@ pub enum Part {
     Balance,
     /// Sampler: cuts are noticed.
     Cuts,
-    /// Sampler: samples look from where the eye will be.
+    /// Sampler: samples see the scene of the refresh, foreseen.
     Ahead,
     /// Stream and display: the display draws shadows of what moves.
     Lamps,
@@ -102,7 +102,7 @@ const PARTS: [Entry; 14] = [
     Entry {
         part: Part::Ahead,
         name: "adaptive-no-prediction",
-        instead: "samples look from where the eye is, not from where it will be",
+        instead: "samples see each instant as it is, not the refresh as it will be",
         sampler: |c| c.ahead = false,
         display: |_| {},
     },

@@ -68,7 +68,7 @@ impl Default for Config {
             slack: 4.0,
             batch: 0.002,
             uniform_share: 0.2,
-            verify_share: 0.1,
+            verify_share: 0.05,
             residuals: true,
             water_filling: true,
             lifetimes: true,

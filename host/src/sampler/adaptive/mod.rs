@@ -8,7 +8,7 @@
 //! 2. **Lifetimes** ([`lifetime`]): verified samples say how fast light changes where, in every
 //!    epoch, warped or not: what became untrue at once is forgotten at once.
 //! 3. In batches of a few milliseconds: **allocate** ([`allocate`]) shots to 4×4-pixel tiles by
-//!    water-filling over residuals, **aim** at the next point of the tile, or, for a tenth
+//!    water-filling over residuals, **aim** at the next point of the tile, or, for a twentieth
 //!    of the shots (a fortieth while nothing moves), look again at a place seen before; **trace**; **learn**: the difference
 //!    between what was seen and what was remembered is the residual.
 //!
@@ -52,7 +52,7 @@ const SIDE: u32 = 2;
 
 /// Of the second looks, those that are taken while nothing is seen to move: they teach a mean
 /// nothing, and of those that graze an edge some end a rest.
-const RESTING_LOOKS: f32 = 0.25;
+const RESTING_LOOKS: f32 = 0.5;
 
 /// The adaptive sampler of an image of fixed size.
 #[derive(Clone, Debug)]
