@@ -20,6 +20,8 @@ const SECONDS: f64 = 0.01;
 const MEMORY: RangeInclusive<f32> = 96.0..=400.0;
 /// Share of failures that means a cut.
 const SHARE: f32 = 0.5;
+/// Share of failures from which it may be one.
+const SUSPICION: f32 = 0.15;
 
 impl Default for Alarm {
     fn default() -> Self {
@@ -36,6 +38,11 @@ impl Alarm {
     /// Sets how many verifications there are in a second.
     pub(super) fn set_rate(&mut self, verifications: f64) {
         self.memory = ((verifications * SECONDS) as f32).clamp(*MEMORY.start(), *MEMORY.end());
+    }
+
+    /// Whether so many fail of late that it may be a cut: time to look closer.
+    pub(super) fn suspects(&self) -> bool {
+        self.failed > SUSPICION * self.all && self.all > 0.1 * self.memory
     }
 
     /// Takes a verification in. Its `weight` makes up for the bias of the sampler towards places

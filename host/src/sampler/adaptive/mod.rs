@@ -54,6 +54,9 @@ const SIDE: u32 = 2;
 /// nothing, and of those that graze an edge some end a rest.
 const RESTING_LOOKS: f32 = 0.5;
 
+/// By how much there are more second looks while a cut is suspected.
+const SUSPICIOUS: f32 = 4.0;
+
 /// The adaptive sampler of an image of fixed size.
 #[derive(Clone, Debug)]
 pub struct Adaptive {
@@ -69,7 +72,7 @@ pub struct Adaptive {
     projection: Projection,
     /// Whether nothing moved since that projection.
     still: bool,
-    /// Share of an epoch's shots that look again at a place seen before.
+    /// Share of a batch's shots that look again at a place seen before.
     look_share: f32,
     /// Objects seen so far, in the order of their first samples.
     objects: Vec<u8>,
@@ -250,8 +253,8 @@ impl Sampler for Adaptive {
         };
         self.still = self.stands_still(now, eye);
         let rests = self.still && !self.objects.is_empty();
-        self.look_share = self.config.verify_share * if rests { RESTING_LOOKS } else { 1.0 };
-        let looks = span.shots as f64 * f64::from(self.look_share);
+        let look_share = self.config.verify_share * if rests { RESTING_LOOKS } else { 1.0 };
+        let looks = span.shots as f64 * f64::from(look_share);
         self.alarm.set_rate(looks / span.length());
         if self.is_due(now, eye) {
             self.warp(now, eye);
@@ -269,6 +272,11 @@ impl Sampler for Adaptive {
         while first < span.shots {
             let count = batch.min(span.shots - first);
             let t0 = clock();
+            self.look_share = if self.alarm.suspects() {
+                (SUSPICIOUS * look_share).min(1.0)
+            } else {
+                look_share
+            };
             self.allocate(count);
             self.plan(span, first);
             let t1 = clock();
