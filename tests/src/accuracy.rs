@@ -442,11 +442,11 @@ fn told_apart(depth: f64) -> f64 {
     depth.clamp(0.0, 65534.0 / STEPS)
 }
 
-/// Whether a sample entered or left one of the 5 × 5 pixels whose weights give a width.
+/// Whether a sample entered or left one of the 3 × 3 pixels whose weights give a width.
 fn moved_near(panel: &Panel, moved: &[bool], pixel: usize) -> bool {
     let width = usize::from(panel.width);
     let (x, y) = ((pixel % width) as i32, (pixel / width) as i32);
-    let near = (y - 2..=y + 2).flat_map(|y| (x - 2..=x + 2).map(move |x| (x, y)));
+    let near = (y - 1..=y + 1).flat_map(|y| (x - 1..=x + 1).map(move |x| (x, y)));
     near.filter_map(|(x, y)| panel.inside(x, y))
         .any(|pixel| moved[pixel])
 }

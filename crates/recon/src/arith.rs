@@ -268,7 +268,7 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
     /// Adds masses.
     fn add_mass(a: Self::Mass, b: Self::Mass) -> Self::Mass;
 
-    /// The filter width for a mass in 5 × 5 pixels: σ = 0.55·5/√mass, from
+    /// The filter width for a mass in 3 × 3 pixels: σ = 0.5·3/√mass, from
     /// [`crate::taps::LEAST`] to [`crate::taps::MOST`].
     fn width_of(mass: Self::Mass) -> Self::Log;
 

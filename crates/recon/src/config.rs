@@ -18,8 +18,8 @@ pub enum Mode {
 pub enum Extents {
     /// One width everywhere: log2 of σ in pixels, 8 fractional bits.
     Constant(i16),
-    /// σ = 0.55/√density in 0.35..=1.17 px by eighths of an octave, the density being the weight of the live
-    /// samples in the 5 × 5 pixels around.
+    /// σ = 0.5/√density in 0.35..=1.17 px by eighths of an octave, the density being the weight of the live
+    /// samples in the 3 × 3 pixels around.
     Density,
     /// Extents from the tiles' gradients and sampling density (Dayal et al. 2005 §5.1).
     Gradient,

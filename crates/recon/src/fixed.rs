@@ -7,6 +7,7 @@ use crate::glance::Seen;
 use crate::lanes::{self, Along, Factor, LANES, Pair, Pixel, Row};
 use crate::num::{Divider, log2_q11};
 use crate::sight::{DEPTH_FIRST, Sight};
+use crate::solve::LEAN_BITS;
 use crate::tables::{TIME, TIME_FIRST, TIME_LEN};
 use crate::taps::{self, DISTANCE_BITS, Taps};
 use crate::tiles::{CELL, CELL_BITS, Cell, TileMap};
@@ -26,7 +27,7 @@ const LOG2_MICROS: i32 = 40820;
 const ENOUGH: u64 = 9830;
 /// The most that one pixel's mass counts: 64 samples, where σ is at its least anyway.
 const MASS_LIMIT: u32 = 64 << 15;
-/// The ridge on the plane's slopes, px² with 20 fractional bits, see [`crate::solve`].
+/// The least ridge on the plane's slopes, px² with 20 fractional bits, see [`crate::solve`].
 const RIDGE: i64 = crate::solve::RIDGE_Q20;
 
 /// The pixel of the panel in which a lattice point is seen, exactly. Seldom called.
@@ -256,8 +257,8 @@ impl Arith for Fixed {
 
     #[inline]
     fn width_of(mass: u32) -> i16 {
-        // log2(0.55 · 5) is 2989; a mass has 15 fractional bits.
-        let sigma = 2989 - ((log2_q11(u64::from(mass.max(1))) - 15 * 2048) >> 1);
+        // log2(0.5 · 3) is 1198; a mass has 15 fractional bits.
+        let sigma = 1198 - ((log2_q11(u64::from(mass.max(1))) - 15 * 2048) >> 1);
         sigma.clamp(taps::LEAST, taps::MOST) as i16
     }
 
@@ -395,14 +396,15 @@ impl Arith for Fixed {
         let y = mean(moments.0[1], 11) >> 8;
         // |x²| < 2^22 in 2^−16 px²: 9 + 16 fractional bits.
         let square = |k: usize| mean(moments.0[k], 22) >> 5;
-        let xx = square(2) - ((x * x) >> 20) + RIDGE;
+        let ridge = RIDGE + ((x * x + y * y) >> (20 + LEAN_BITS));
+        let xx = square(2) - ((x * x) >> 20) + ridge;
         let xy = square(3) - ((x * y) >> 20);
-        let yy = square(4) - ((y * y) >> 20) + RIDGE;
-        // Below (4 px)² each: 2^24, products 2^48; positive since RIDGE outweighs the rounding.
+        let yy = square(4) - ((y * y) >> 20) + ridge;
+        // Below (4 px)² each: 2^24, products 2^48; positive since the ridge outweighs the rounding.
         let determinant = (xx * yy - xy * xy).max(RIDGE * RIDGE / 4);
         // The plane at the centre is c − cov(x, c)·hx − cov(y, c)·hy.
         let by = Divider::new(determinant as u64);
-        // Numerators below 2^22·2^25 px³; |h| ≤ √2·4 px/RIDGE < 2^6 a pixel: 23 fractional bits.
+        // Numerators below 2^22·2^25 px³; |h| < 2^4 a pixel: 23 fractional bits.
         let hx = i64::from(by.ratio((yy * x - xy * y) >> 12, -4)) >> 11;
         let hy = i64::from(by.ratio((xx * y - xy * x) >> 12, -4)) >> 11;
         let light = |k: usize| {

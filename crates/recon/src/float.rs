@@ -189,7 +189,7 @@ macro_rules! float_arith {
                 } else {
                     mass
                 };
-                let sigma = $log2(2.75) - 0.5 * $log2(mass);
+                let sigma = $log2(1.5) - 0.5 * $log2(mass);
                 let end = |q11: i32| q11 as $float / 2048.0;
                 sigma.clamp(end(taps::LEAST), end(taps::MOST))
             }
@@ -345,10 +345,12 @@ macro_rules! float_arith {
                 if sums[0] <= 0.0 {
                     return Texel::default();
                 }
-                let ridge = crate::solve::RIDGE_Q20 as $float / 1048576.0;
+                let least = crate::solve::RIDGE_Q20 as $float / 1048576.0;
+                let lean = (1 << crate::solve::LEAN_BITS) as $float;
                 let m = moments.0.map(|v| v / sums[0]);
                 let c = [1, 2, 3].map(|k| sums[k] / sums[0]);
                 let (x, y) = (m[0], m[1]);
+                let ridge = least + (x * x + y * y) / lean;
                 let (xx, xy, yy) = (m[2] - x * x + ridge, m[3] - x * y, m[4] - y * y + ridge);
                 let determinant = xx * yy - xy * xy;
                 let (hx, hy) = (

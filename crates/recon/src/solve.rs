@@ -5,14 +5,18 @@
 //!
 //! `a = E[c] − cov(x, c)·h_x − cov(y, c)·h_y`, `h = (C + ρI)^−1 (E[x], E[y])`,
 //!
-//! so a pixel needs one 2 × 2 solve for all three colours. The ridge ρ keeps it defined for any
-//! samples and pulls towards the mean where they lie in one place.
+//! so a pixel needs one 2 × 2 solve for all three colours. The ridge ρ = ρ₀ + |E|²/8, E being the
+//! samples' mean offset, keeps it defined for any samples. Where they lie around the pixel there is little to
+//! hold back, and a plane is worth most at edges; where they lie to one side it would extrapolate, and is pulled
+//! towards their mean.
 
 use crate::arith::{ANCHOR_BITS, Arith, Moments, Sums, Texel};
 
-/// The ridge ρ, px² with 20 fractional bits: 0.1. It bounds |h| by |(E\[x\], E\[y\])|/ρ,
-/// which is what rounded coordinates are enlarged by: 0.04 px² doubles that and errs no less.
-pub const RIDGE_Q20: i64 = 104858;
+/// ρ₀, px² with 20 fractional bits: 0.02. With what the offset adds, |h| ≤ |E|/ρ ≤ 1/√(4·ρ₀/8) = 10 a pixel
+/// bounds what rounded coordinates are enlarged by.
+pub const RIDGE_Q20: i64 = 20972;
+/// log2 of what of |E|² goes into the ridge: an eighth.
+pub const LEAN_BITS: u32 = 3;
 
 /// Solves pixels by their means.
 pub fn means<A: Arith>(sums: &[Sums<A>], texels: &mut [Texel<A>]) {

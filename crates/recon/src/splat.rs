@@ -10,18 +10,16 @@ use crate::taps::Taps;
 use crate::tiles::TileMap;
 use core::ops::Range;
 
-/// Sums over 5 pixels along rows, in place.
+/// Sums over 3 pixels along rows, in place.
 pub fn sum_along<A: Arith>(panel: &Panel, mass: &mut [A::Mass]) {
     for line in mass.chunks_mut(usize::from(panel.width).max(1)) {
-        // The two values before x are overwritten by the time they are needed: keep them.
-        let mut before = [A::Mass::default(); 2];
+        // The value before x is overwritten by the time it is needed: keep it.
+        let mut before = A::Mass::default();
         for x in 0..line.len() {
             let at = |x: usize| line.get(x).copied().unwrap_or_default();
             let own = at(x);
-            let sum = [before[0], before[1], at(x + 1), at(x + 2)]
-                .into_iter()
-                .fold(own, A::add_mass);
-            before = [before[1], own];
+            let sum = A::add_mass(A::add_mass(before, own), at(x + 1));
+            before = own;
             if let Some(mass) = line.get_mut(x) {
                 *mass = sum;
             }
@@ -29,7 +27,7 @@ pub fn sum_along<A: Arith>(panel: &Panel, mass: &mut [A::Mass]) {
     }
 }
 
-/// The filter width of each pixel of the rows `lines`, from the mass in the 5 × 5 pixels around;
+/// The filter width of each pixel of the rows `lines`, from the mass in the 3 × 3 pixels around;
 /// `sums` holds all of what [`sum_along`] made.
 pub fn widths<A: Arith>(
     panel: &Panel,
@@ -39,9 +37,9 @@ pub fn widths<A: Arith>(
 ) {
     let (width, height) = (usize::from(panel.width).max(1), usize::from(panel.height));
     for (y, widths) in lines.zip(widths.chunks_mut(width)) {
-        let rows = y.saturating_sub(2)..(y + 3).min(height);
+        let rows = y.saturating_sub(1)..(y + 2).min(height);
         let mut rows = rows.map(|row| sums.get(row * width..).unwrap_or_default());
-        let rows: [&[A::Mass]; 5] = core::array::from_fn(|_| rows.next().unwrap_or_default());
+        let rows: [&[A::Mass]; 3] = core::array::from_fn(|_| rows.next().unwrap_or_default());
         for (x, out) in widths.iter_mut().enumerate() {
             let around = rows.map(|row| row.get(x).copied().unwrap_or_default());
             *out = A::width_of(around.into_iter().fold(A::Mass::default(), A::add_mass));

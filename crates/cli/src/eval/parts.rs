@@ -4,8 +4,8 @@ use unframed_host::sampler::adaptive;
 use unframed_recon::Config;
 use unframed_recon::config::{Extents, Fit, Lifetime, Light, TimeKernel};
 
-/// log2 of 0.55 px in 1/256: the width that one live sample a pixel gets.
-const PLAIN_WIDTH: i16 = -221;
+/// log2 of 0.5 px in 1/256: the width that one live sample a pixel gets.
+const PLAIN_WIDTH: i16 = -256;
 /// log2 of 0.6 s in 1/256: the best lifetime of uniform samples.
 const PLAIN_LIFETIME: i16 = -192;
 
@@ -123,7 +123,7 @@ const PARTS: [Entry; 14] = [
     Entry {
         part: Part::Density,
         name: "adaptive-no-density-width",
-        instead: "one filter width, 0.55 px",
+        instead: "one filter width, 0.5 px",
         sampler: |_| {},
         display: |c| c.extents = Extents::Constant(PLAIN_WIDTH),
     },

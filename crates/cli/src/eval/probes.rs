@@ -15,7 +15,7 @@ pub const STILL_LIMIT: f64 = 1.5;
 pub const CUT_AT: f64 = 1.0 + 1.0 / 120.0;
 /// How long is watched after it, seconds.
 pub const CUT_WATCHED: f64 = 1.0;
-/// A cut is over when the RMSE is this many times what it would be without the cut, or less.
+/// A cut is over when the RMSE is this many times the steady one, or less.
 pub const RECOVERED: f64 = 1.2;
 /// How long that may take, milliseconds.
 pub const RECOVERY_LIMIT_MS: f64 = 200.0;
@@ -162,45 +162,63 @@ pub struct Recovery {
     pub method: String,
     /// Camera samples a second.
     pub rate: u32,
-    /// Milliseconds from the cut to the first of three refreshes in a row whose RMSE is at most
-    /// 1.2 times that of the same refresh without a cut, squared errors being averaged over the
-    /// seeds (one seed's refresh may be half as bad again for no reason but chance); none if that
-    /// never comes.
-    pub milliseconds: Option<f64>,
-    /// The same for each seed alone.
-    pub each: Vec<Option<f64>>,
     /// RMSE of the first refresh after the cut.
     pub first_rmse: f64,
+    /// RMSE of the whole animation, if that was measured too.
+    pub animation_rmse: Option<f64>,
+    /// Milliseconds from the cut to the first of three refreshes in a row whose RMSE is at most
+    /// 1.2 times that of the animation; none if that never comes. Squared errors are averaged over the
+    /// seeds, here and below: one seed's refresh may be half as bad again for no reason but chance.
+    pub of_animation: Option<f64>,
     /// RMSE without the cut, over all that was watched.
     pub steady_rmse: f64,
+    /// The same with 1.2 times that.
+    pub of_steady: Option<f64>,
+    /// The same with 1.2 times what *the same refresh* has without a cut.
+    pub of_same: Option<f64>,
+    /// That for each seed alone.
+    pub of_same_each: Vec<Option<f64>>,
     /// The most that it may take, milliseconds.
     pub limit: f64,
-    /// Whether it takes no longer.
-    pub holds: bool,
+    /// Whether it takes no longer until the animation's RMSE is reached; none if that is not known.
+    pub holds: Option<bool>,
 }
 
 impl Recovery {
-    /// Of cells with a cut at [`CUT_AT`], which differ in their seeds, and of the same without.
-    /// None where a side has no cell.
+    /// Of cells with a cut at [`CUT_AT`], which differ in their seeds, of the same without, and of the whole
+    /// animation, if there are any of that. None where a side has no cell.
     #[must_use]
-    pub fn of(cut: &[&Cell], steady: &[&Cell]) -> Option<Self> {
+    pub fn of(cut: &[&Cell], steady: &[&Cell], animation: &[&Cell]) -> Option<Self> {
         let (first, _) = (cut.first()?, steady.first()?);
-        let milliseconds = back(&over_seeds(cut), &over_seeds(steady));
+        let curve = over_seeds(cut);
         let alone = |(a, b): (&&Cell, &&Cell)| back(&over_seeds(&[a]), &over_seeds(&[b]));
+        let level = |rmse: f64| {
+            back(
+                &curve,
+                &curve.iter().map(|p| (p.0, rmse)).collect::<Vec<_>>(),
+            )
+        };
         let root_mean = |values: &dyn Fn(&Cell) -> f64, cells: &[&Cell]| {
             let sum: f64 = cells.iter().map(|cell| values(cell).powi(2)).sum();
             (sum / cells.len() as f64).sqrt()
         };
+        let steady_rmse = root_mean(&|c| c.rmse, steady);
+        let animation_rmse = (!animation.is_empty()).then(|| root_mean(&|c| c.rmse, animation));
+        let of_animation = animation_rmse.and_then(level);
+        let within = |ms: Option<f64>| ms.is_some_and(|ms| ms <= RECOVERY_LIMIT_MS);
         Some(Self {
             scene: first.scene.clone(),
             method: first.method.clone(),
             rate: first.rate,
-            milliseconds,
-            each: cut.iter().zip(steady).map(alone).collect(),
             first_rmse: root_mean(&|c| c.refreshes.first().map_or(f64::NAN, |r| r.rmse), cut),
-            steady_rmse: root_mean(&|c| c.rmse, steady),
+            animation_rmse,
+            of_animation,
+            steady_rmse,
+            of_steady: level(steady_rmse),
+            of_same: back(&curve, &over_seeds(steady)),
+            of_same_each: cut.iter().zip(steady).map(alone).collect(),
             limit: RECOVERY_LIMIT_MS,
-            holds: milliseconds.is_some_and(|ms| ms <= RECOVERY_LIMIT_MS),
+            holds: animation_rmse.map(|_| within(of_animation)),
         })
     }
 }

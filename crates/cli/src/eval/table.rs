@@ -316,7 +316,7 @@ pub fn probed(cells: &[Cell], scenes: &[String]) -> (Vec<Convergence>, Vec<Recov
                 let same = |c: &&Cell| c.scene == scene && (c.method.as_str(), c.rate) == question;
                 cells.iter().filter(same).collect()
             };
-            cuts.extend(Recovery::of(&of(&cut), &of(&steady)));
+            cuts.extend(Recovery::of(&of(&cut), &of(&steady), &of(scene)));
         }
     }
     (stills, cuts)

@@ -8,10 +8,12 @@ use unframed_host::scene::builtin::builtin;
 use unframed_host::trace::{World, ideal};
 use unframed_metrics::PixelClass;
 
+use super::checks::{Outcome, checks};
 use super::ideals::classify;
+use super::probes::{CUT_AT, Recovery};
 use super::schedule::{Task, Workshop, cell_path, finished};
 use super::store::{Key, slug, write_whole};
-use super::table::{csv, rows, verdicts};
+use super::table::{Found, csv, rows, verdicts};
 use super::{Cache, Cell, EvalMethod, Job, Reference, Settings};
 use crate::args::Size;
 use crate::measure::IDEAL_GRID;
@@ -274,9 +276,9 @@ fn pixels_have_the_class_of_what_they_show() {
     assert!(hidden < 8, "{hidden}");
 }
 
-#[test]
-fn claims_are_ratios_of_means_over_seeds() {
-    let cell = |method: EvalMethod, rate: u32, seed: u64, rmse: f64, flip: f64| Cell {
+/// A cell of four refreshes around a cut, the second of them nine times as bad.
+fn cell(method: EvalMethod, rate: u32, seed: u64, rmse: f64, flip: f64) -> Cell {
+    Cell {
         scene: "a,b".to_owned(),
         method: method.name().to_owned(),
         setting: String::new(),
@@ -306,7 +308,11 @@ fn claims_are_ratios_of_means_over_seeds() {
             })
             .to_vec(),
         build: String::new(),
-    };
+    }
+}
+
+#[test]
+fn claims_are_ratios_of_means_over_seeds() {
     let cells = [
         cell(EvalMethod::Adaptive, 400_000, 1, 4.0, 0.1),
         cell(EvalMethod::Adaptive, 400_000, 2, 6.0, 0.1),
@@ -351,4 +357,44 @@ fn a_file_is_written_whole() {
     assert_eq!(std::fs::read(&path).unwrap(), b"two");
     assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 1);
     assert!(write_whole(&dir.path().join("no/x"), b"").is_err());
+}
+
+#[test]
+fn a_cut_is_held_against_the_animation_the_second_and_the_same_refresh() {
+    let over = |rmses: &[f64], rmse: f64| Cell {
+        rmse,
+        refreshes: (1..)
+            .zip(rmses)
+            .map(|(refresh, &rmse)| super::cell::Point {
+                time: CUT_AT + 0.05 * f64::from(refresh),
+                rmse,
+                flip: None,
+            })
+            .collect(),
+        ..cell(EvalMethod::Adaptive, 400_000, 1, rmse, 0.1)
+    };
+    let cut = over(&[30.0, 10.0, 9.0, 8.0, 5.0, 4.0, 3.0, 2.0, 2.0, 2.0], 10.0);
+    let without = over(&[2.0; 10], 4.5);
+    let animation = over(&[9.0; 4], 9.0);
+    let near = |found: Option<f64>, ms: f64| found.is_some_and(|found| (found - ms).abs() < 1e-6);
+    let found = Recovery::of(&[&cut], &[&without], &[&animation]).unwrap();
+    assert!(near(found.of_animation, 100.0), "{found:?}");
+    assert!(near(found.of_steady, 250.0), "{found:?}");
+    assert!(near(found.of_same, 400.0), "{found:?}");
+    assert_eq!((found.animation_rmse, found.holds), (Some(9.0), Some(true)));
+    let late = over(&[30.0, 30.0, 30.0, 30.0, 10.0, 9.0, 9.0], 20.0);
+    let found = Recovery::of(&[&late], &[&without], &[&animation]).unwrap();
+    assert_eq!(found.holds, Some(false));
+    let found = Recovery::of(&[&cut], &[&without], &[]).unwrap();
+    assert_eq!((found.of_animation, found.holds), (None, None));
+    let found = Found {
+        cuts: vec![found],
+        ..Found::default()
+    };
+    let outcomes: Vec<Outcome> = checks(&found).iter().map(|check| check.outcome).collect();
+    assert_eq!(
+        outcomes,
+        [Outcome::Missed; 2],
+        "nothing is promised of these"
+    );
 }

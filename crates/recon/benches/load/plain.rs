@@ -1,5 +1,5 @@
 //! The baseline: the same samples scattered plainly in `f32` on one thread: moved to the view,
-//! weighed by age, widths from the density in 5 × 5 pixels, weighted means; no hidden-point test,
+//! weighed by age, widths from the density in 3 × 3 pixels, weighted means; no hidden-point test,
 //! nothing filled.
 
 use super::scene;
@@ -99,12 +99,12 @@ impl Plain {
         for y in 0..size {
             for x in 0..size {
                 let mut sum = 0.0;
-                for v in y.saturating_sub(2)..(y + 3).min(size) {
-                    for u in x.saturating_sub(2)..(x + 3).min(size) {
+                for v in y.saturating_sub(1)..(y + 2).min(size) {
+                    for u in x.saturating_sub(1)..(x + 2).min(size) {
                         sum += mass[v * size + u];
                     }
                 }
-                sigma[y * size + x] = (2.75 / sum.sqrt()).clamp(0.35, 1.2);
+                sigma[y * size + x] = (1.5 / sum.sqrt()).clamp(0.35, 1.2);
             }
         }
         self.sums.fill([0.0; 4]);

@@ -81,7 +81,7 @@ impl Default for Config {
             residual_floor: 4.0,
             lifetime_max: 1.0,
             lifetime_min: 0.012,
-            recovery: 1.0,
+            recovery: 0.5,
             balanced: true,
             tolerance: 10.0,
             code_tolerance: 2,

@@ -32,7 +32,7 @@ use unframed_wire::tiles::TileNode;
 use unframed_wire::{LogCode, Rect, TileFields};
 
 use super::kdtree::{self, Map, log_code};
-use super::noise::{R2, Random, golden_stride, hash};
+use super::noise::{R2, Random, golden_stride};
 use super::srgb::{displayed, squared_difference};
 use super::uniform::within;
 use super::{Aim, Effort, Eye, Plan, Sampler, Seen, Shot, Span, trace};
@@ -91,7 +91,8 @@ pub struct Adaptive {
     cut: Option<f64>,
     order: Vec<u32>,
     random: Random,
-    /// A low-discrepancy sequence in each tile.
+    /// A low-discrepancy sequence in each tile, the same in all: where neighbours have as many points, one
+    /// lattice goes on over their border.
     points: Vec<R2>,
     /// The lifetime tile of each tile.
     lifetime_tiles: Vec<u32>,
@@ -184,9 +185,7 @@ impl Adaptive {
             cut: None,
             order: allocate::z_order(grid.columns, grid.rows),
             random: Random::new(config.seed),
-            points: (0..grid.len() as u32)
-                .map(|t| R2::new(hash(t) ^ config.seed as u32))
-                .collect(),
+            points: vec![R2::new(config.seed as u32); grid.len()],
             rates: vec![0.0; grid.len()],
             lifetime_tiles,
             noise: Vec::new(),

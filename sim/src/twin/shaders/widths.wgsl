@@ -1,4 +1,4 @@
-// The filter width of each pixel, from the mass in the 5 × 5 pixels around, and what its taps
+// The filter width of each pixel, from the mass in the 3 × 3 pixels around, and what its taps
 // need. Twin of splat::widths.
 
 @group(0) @binding(2) var<storage, read> mass: array<W64>;
@@ -13,8 +13,8 @@ fn saturated(mass: W64) -> u32 {
 }
 
 fn width_of(mass: u32) -> i32 {
-    // log2(0.55 · 5) is 2989; a mass has 15 fractional bits.
-    let sigma = 2989i - ((log2_q11(w64_from_u32(max(mass, 1u))) - 15i * 2048i) >> 1u);
+    // log2(0.5 · 3) is 1198; a mass has 15 fractional bits.
+    let sigma = 1198i - ((log2_q11(w64_from_u32(max(mass, 1u))) - 15i * 2048i) >> 1u);
     return clamp(sigma, LEAST, MOST);
 }
 
@@ -29,8 +29,8 @@ fn main(
     let x = i32(i) % params.width;
     let y = i32(i) / params.width;
     var sum = 0u;
-    for (var row = max(y - 2i, 0i); row < min(y + 3i, params.height); row++) {
-        for (var column = max(x - 2i, 0i); column < min(x + 3i, params.width); column++) {
+    for (var row = max(y - 1i, 0i); row < min(y + 2i, params.height); row++) {
+        for (var column = max(x - 1i, 0i); column < min(x + 2i, params.width); column++) {
             sum += saturated(mass[row * params.width + column]);
         }
     }

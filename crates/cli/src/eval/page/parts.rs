@@ -112,30 +112,49 @@ pub(super) fn probes(findings: &Findings<'_>, dir: &Path) -> Result<Vec<Section>
             "method",
             "rate",
             "first RMSE",
-            "steady RMSE",
-            "back after, ms",
+            "of the animation",
+            "back to it, ms",
+            "of this second",
+            "back to it, ms",
+            "back to the same refresh, ms",
             "",
         ])
         .caption(
             "Everything jumps half a loop at the cut. Back: three refreshes in a row whose RMSE \
-             is at most 1.2 times that of the same refresh without a cut. Squared errors are \
+             is at most 1.2 times that of the whole animation, of the second that was watched, had \
+             there been no cut, and of the same refresh without it. Squared errors are \
              averaged over the seeds; in brackets, each seed alone.",
         );
         for cut in &found.cuts {
             let told = |ms: Option<f64>| ms.map_or_else(|| "never".into(), |ms| format!("{ms:.0}"));
-            let mut back = told(cut.milliseconds);
-            if cut.each.len() > 1 {
-                let each: Vec<String> = cut.each.iter().map(|ms| told(*ms)).collect();
-                back += &format!(" ({})", each.join(", "));
+            let mut same = told(cut.of_same);
+            if cut.of_same_each.len() > 1 {
+                let each: Vec<String> = cut.of_same_each.iter().map(|ms| told(*ms)).collect();
+                same += &format!(" ({})", each.join(", "));
             }
+            let of_animation = cut
+                .animation_rmse
+                .map(|rmse| (rmse, told(cut.of_animation)));
+            let (animation, of_animation) = of_animation
+                .map_or_else(Default::default, |(rmse, back)| {
+                    (format!("{rmse:.2}"), back)
+                });
+            let mark = match cut.holds {
+                None => "",
+                Some(true) => "✓ holds",
+                Some(false) => "✗",
+            };
             table.row([
                 cut.scene.clone(),
                 cut.method.clone(),
                 short(cut.rate),
                 format!("{:.2}", cut.first_rmse),
+                animation,
+                of_animation,
                 format!("{:.2}", cut.steady_rmse),
-                back,
-                if cut.holds { "✓ holds" } else { "✗" }.to_owned(),
+                told(cut.of_steady),
+                same,
+                mark.to_owned(),
             ]);
             let steady = cut.scene.replace("-cut", "-without-cut");
             if cut.method == EvalMethod::Adaptive.name() {
