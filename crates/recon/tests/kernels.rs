@@ -313,3 +313,38 @@ proptest! {
         prop_assert!(light <= 1.0 && confidence <= 1e-6, "{light} {confidence}");
     }
 }
+
+/// Two samples on a line through the pixel's centre, against the formula of `solve` by hand: the ridge is
+/// 0.02 px² and an eighth of the square of the mean offset, so what lies to one side is not extrapolated.
+#[test]
+fn a_plane_leans_less_on_what_lies_to_one_side() {
+    let centre = [78 * 128 + 64, 28 * 128 + 64].map(f64::from);
+    let mut leaning = Vec::new();
+    for (offset, half) in [
+        (0.0f64, 0.5f64),
+        (0.25, 0.5),
+        (1.0, 0.5),
+        (2.5, 0.5),
+        (0.5, 0.125),
+    ] {
+        let x = [offset - half, offset + half].map(|x| (centre[0] + 128.0 * x) as u16);
+        let shares = [(x[0], 20_000u16), (x[1], 40_000)]
+            .map(|(x, light)| ([x, centre[1] as u16], 1u16 << 15, [light; 3]));
+        // A coordinate stands for the middle of its step.
+        let (e, rest) = (offset + 0.5 / 128.0, 0.5 / 128.0);
+        let ridge = 0.02 + (e * e + rest * rest) / 8.0;
+        let slope = 10_000.0 * half / (half * half + ridge);
+        let expected = 30_000.0 - slope * e;
+        let (sums, moments) = in_f64(&shares);
+        let exact = f64::plane(&sums, &moments).light[0];
+        assert!(
+            (exact - expected.clamp(0.0, 65_535.0)).abs() < 1.0,
+            "{offset}: {exact} for {expected}"
+        );
+        let (sums, moments) = in_integers(&shares);
+        let ours = f64::from(Fixed::plane(&sums, &moments).light[0]);
+        assert!((ours - exact).abs() < 48.0, "{offset}: {ours} for {exact}");
+        leaning.push(slope);
+    }
+    assert!(leaning[0] > 1.5 * leaning[3], "{leaning:?}");
+}

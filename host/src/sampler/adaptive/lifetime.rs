@@ -165,4 +165,24 @@ mod tests {
             assert!((tau / least - 1.0).abs() < 0.01, "{tau} for {least}");
         }
     }
+
+    #[test]
+    fn what_was_seen_before_a_jump_stays_two_lifetimes_old() {
+        let config = Config::default();
+        let mut lifetimes = Lifetimes::new(UVec2::splat(TILE), &config);
+        lifetimes.add(0, [1e6, 1e-3]);
+        lifetimes.solve(&[4.0], f32::NAN);
+        let after_jump = lifetimes.tau[0];
+        assert!(after_jump < 0.02, "{after_jump}");
+        // Nothing changes any more.
+        lifetimes.clear();
+        let step = 1.0 / 60.0;
+        for epoch in 1..60 {
+            lifetimes.solve(&[4.0], step);
+            let age = epoch as f32 * step;
+            let tau = lifetimes.tau[0];
+            assert!(age > 2.0 * (tau - after_jump) - 1e-3, "{tau} s after {age}");
+            assert!(tau > 0.4 * age, "but it grows: {tau} s after {age}");
+        }
+    }
 }
