@@ -7,10 +7,6 @@ use super::config::Config;
 /// Side of a tile, pixels of the map: 4 of the image.
 pub(super) const TILE: u32 = 4 / super::SIDE;
 
-/// The power of a tile's error that its samples are in proportion to. On the mean of six scenes 0.6
-/// and 1 are about 1 % worse, the latter by 5 % on the fox and by little elsewhere.
-const MERIT: f32 = 0.8;
-
 /// Sums over the front cells of a tile.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Tile {
@@ -37,9 +33,11 @@ impl Tile {
     /// How many samples a pixel here should have, in proportion: the error's root would do for the
     /// sum of squares, were all of it noise. But the larger the error, the more of it is what no
     /// number of samples takes away (an edge in a pixel, a texture finer than the filter), so the
-    /// power is less than one.
+    /// power is less than one: three quarters, which roots make faster than logarithms do. On the mean of six scenes 0.6 and 1
+    /// are about 1 % worse than 0.8, the latter by 5 % on the fox and by little elsewhere.
     pub(super) fn merit(&self, config: &Config) -> f32 {
-        self.squared_error(config).powf(0.5 * MERIT)
+        let fourth = self.squared_error(config).sqrt().sqrt();
+        fourth * fourth.sqrt()
     }
 
     /// The square of [`Tile::error`].
