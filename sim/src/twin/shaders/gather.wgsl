@@ -131,7 +131,8 @@ fn main(
             let sample = sorted[k];
             var weight = sample.z >> 16u;
             if !alone {
-                if any(vec2<u32>(abs(at)) >= (own & vec2<u32>(0x7fffu))) { continue; }
+                // What is just as far may be a distance nearer to a table of odd ones, see `tap`.
+                if any(vec2<u32>(abs(at)) > (own & vec2<u32>(0x7fffu))) { continue; }
                 weight = times(times(weight, tap(own.y, at.y)), tap(own.x, at.x));
             }
             if weight == 0u { continue; }
