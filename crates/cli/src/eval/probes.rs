@@ -172,9 +172,9 @@ pub struct Recovery {
     pub of_animation: Option<f64>,
     /// RMSE without the cut, over all that was watched.
     pub steady_rmse: f64,
-    /// The same with 1.2 times that.
+    /// As `of_animation`, with 1.2 times that.
     pub of_steady: Option<f64>,
-    /// The same with 1.2 times what *the same refresh* has without a cut.
+    /// As `of_animation`, with 1.2 times what *the same refresh* has without a cut.
     pub of_same: Option<f64>,
     /// That for each seed alone.
     pub of_same_each: Vec<Option<f64>>,
@@ -193,10 +193,8 @@ impl Recovery {
         let curve = over_seeds(cut);
         let alone = |(a, b): (&&Cell, &&Cell)| back(&over_seeds(&[a]), &over_seeds(&[b]));
         let level = |rmse: f64| {
-            back(
-                &curve,
-                &curve.iter().map(|p| (p.0, rmse)).collect::<Vec<_>>(),
-            )
+            let level: Vec<(f64, f64)> = curve.iter().map(|point| (point.0, rmse)).collect();
+            back(&curve, &level)
         };
         let root_mean = |values: &dyn Fn(&Cell) -> f64, cells: &[&Cell]| {
             let sum: f64 = cells.iter().map(|cell| values(cell).powi(2)).sum();

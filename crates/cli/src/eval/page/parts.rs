@@ -132,13 +132,10 @@ pub(super) fn probes(findings: &Findings<'_>, dir: &Path) -> Result<Vec<Section>
                 let each: Vec<String> = cut.of_same_each.iter().map(|ms| told(*ms)).collect();
                 same += &format!(" ({})", each.join(", "));
             }
-            let of_animation = cut
-                .animation_rmse
-                .map(|rmse| (rmse, told(cut.of_animation)));
-            let (animation, of_animation) = of_animation
-                .map_or_else(Default::default, |(rmse, back)| {
-                    (format!("{rmse:.2}"), back)
-                });
+            let (animation, of_animation) = match cut.animation_rmse {
+                None => <(String, String)>::default(),
+                Some(rmse) => (format!("{rmse:.2}"), told(cut.of_animation)),
+            };
             let mark = match cut.holds {
                 None => "",
                 Some(true) => "✓ holds",
