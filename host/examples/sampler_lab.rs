@@ -274,8 +274,9 @@ fn note(sampler: &Adaptive) -> String {
     let [warp, plan, trace, learn] = s.seconds.map(|t| t * 1e6 / s.shots as f64);
     format!(
         "us/shot warp {warp:.2} plan {plan:.2} learn {learn:.2} trace {trace:.2}; failed {:.0} % \
-         cells {} k cover {:.2} cuts {}",
+         warps {} cells {} k cover {:.2} cuts {}",
         100.0 * s.failed as f64 / s.verifications.max(1) as f64,
+        s.warps,
         s.cells / 1000,
         s.coverage,
         s.cuts

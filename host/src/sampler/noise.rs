@@ -51,9 +51,25 @@ impl R2 {
 
     /// The next point; both coordinates from 0 (included) to 1 (not included).
     pub(super) fn next(&mut self) -> Vec2 {
+        *self = self.skip(1);
+        self.place()
+    }
+
+    /// The `n`-th point from now on: that which [`Self::next`] gives is the 0th.
+    pub(super) fn nth(self, n: u32) -> Vec2 {
+        self.skip(n.wrapping_add(1)).place()
+    }
+
+    fn skip(self, n: u32) -> Self {
         // 2^32/ρ and 2^32/ρ² with ρ = 1.3247… the plastic number.
-        self.0[0] = self.0[0].wrapping_add(3_242_174_889);
-        self.0[1] = self.0[1].wrapping_add(2_447_445_413);
+        let Self([x, y]) = self;
+        Self([
+            x.wrapping_add(n.wrapping_mul(3_242_174_889)),
+            y.wrapping_add(n.wrapping_mul(2_447_445_413)),
+        ])
+    }
+
+    fn place(self) -> Vec2 {
         Vec2::new((self.0[0] >> 8) as f32, (self.0[1] >> 8) as f32) / 16_777_216.0
     }
 }
@@ -88,6 +104,16 @@ mod tests {
             }
             assert!(seen.iter().all(|&s| s), "{n} with stride {stride}");
         }
+    }
+
+    #[test]
+    fn any_point_is_the_one_that_is_come_to() {
+        let start = R2::new(7);
+        let mut walked = start;
+        for n in 0..100 {
+            assert_eq!(start.nth(n), walked.next());
+        }
+        assert_eq!(start.nth(u32::MAX - 1), start.skip(u32::MAX).place());
     }
 
     #[test]

@@ -59,41 +59,70 @@ fn active(s: &[f32], n: &[f32], lambda: f32) -> (f64, f64) {
     (total(sums), total(fills))
 }
 
-/// The sum in f64, of four running sums.
+/// The sum in f64, of running sums as in [`active`].
 fn sum(values: &[f32]) -> f64 {
-    let (chunks, rest) = values.as_chunks::<4>();
-    let mut lanes = [0.0; 4];
+    let (chunks, rest) = values.as_chunks::<LANES>();
+    let mut sums = [0.0f32; LANES];
     for chunk in chunks {
-        for (lane, &v) in lanes.iter_mut().zip(chunk) {
-            *lane += f64::from(v);
+        for (sum, v) in sums.iter_mut().zip(chunk) {
+            *sum += v;
         }
     }
-    lanes.iter().sum::<f64>() + rest.iter().map(|&v| f64::from(v)).sum::<f64>()
+    sums.iter().chain(rest).map(|&v| f64::from(v)).sum()
 }
 
-/// Turns fractional shares into whole visits: appends tile `order[k]` so often that every prefix
+/// Bits before and behind the point of shares counted in visits.
+const BITS: u32 = 30;
+
+/// Buffers of [`visits`].
+#[derive(Clone, Debug, Default)]
+pub(super) struct Dues {
+    /// The shares in visits, in fixed point.
+    shares: Vec<i32>,
+}
+
+/// Turns fractional shares into whole visits: tile `order[k]` stands in `out` so often that every prefix
 /// of the order has got its share within one visit (systematic sampling; the same expectation for
 /// each tile as its share). `offset` in 0..1. Exactly `count` visits.
-pub(super) fn visits(order: &[u32], shares: &[f32], count: usize, offset: f32, out: &mut Vec<u32>) {
+///
+/// In integers, whose sums have no rounding to wait for: how many visits are due up to a tile is
+/// their sum, shifted. Each tile is written where its first visit would stand, and stays if it has one:
+/// which tiles have, no processor foresees.
+pub(super) fn visits(
+    order: &[u32],
+    shares: &[f32],
+    count: usize,
+    offset: f32,
+    dues: &mut Dues,
+    out: &mut Vec<u32>,
+) {
     out.clear();
-    let total = sum(shares);
     if count == 0 || order.is_empty() {
         return;
     }
-    let step = total / count as f64;
-    let mut due = step * f64::from(offset);
-    let mut sum = 0.0;
+    let whole = BITS.saturating_sub(usize::BITS - count.leading_zeros());
+    let one = (1u64 << whole) as f64;
+    let scale = (one * count as f64 / sum(shares)) as f32;
+    dues.shares.clear();
+    dues.shares
+        .extend(shares.iter().map(|&s| (s * scale) as i32));
+    out.resize(count + 1, 0);
+    let mut sum = ((one * (1.0 - f64::from(offset))) as u64).saturating_sub(1);
+    let mut taken = 0;
     for &tile in order {
-        sum += f64::from(shares[tile as usize]);
-        while due < sum && out.len() < count {
-            out.push(tile);
-            due += step;
+        sum += dues.shares[tile as usize] as u64;
+        let due = ((sum >> whole) as usize).min(count);
+        out[taken] = tile;
+        if due > taken + 1 {
+            out[taken + 1..due].fill(tile);
         }
+        taken = due;
     }
     // Rounding at the end, or shares that are all zero.
-    while out.len() < count {
-        out.push(order[order.len() - 1 - (out.len() * 7919) % order.len()]);
+    for (at, out) in out.iter_mut().enumerate().take(count).skip(taken) {
+        *out = order[order.len() - 1 - (at * 7919) % order.len()];
     }
+    out.truncate(count);
 }
 
 /// The tiles of a `w`×`h` grid along a Z-order curve, so that neighbours in the order are
@@ -177,9 +206,10 @@ mod tests {
         let shares: Vec<f32> = (0..32).map(|_| random.unit()).collect();
         let total: f32 = shares.iter().sum();
         let mut sums = [0.0f32; 32];
-        let mut out = Vec::new();
+        let (mut dues, mut out) = (Dues::default(), Vec::new());
         for round in 0..200 {
-            visits(&order, &shares, 17, (round as f32 + 0.5) / 200.0, &mut out);
+            let offset = (round as f32 + 0.5) / 200.0;
+            visits(&order, &shares, 17, offset, &mut dues, &mut out);
             assert_eq!(out.len(), 17);
             out.iter().for_each(|&t| sums[t as usize] += 1.0);
         }

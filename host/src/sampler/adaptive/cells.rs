@@ -156,20 +156,15 @@ impl Cells {
         }
     }
 
-    /// Moves every cell to a new view; what leaves the image is forgotten. `tile_of` gives a pixel's
-    /// lifetime tile.
-    pub(super) fn warp(
-        &mut self,
-        projection: &Projection,
-        fading: &Fading,
-        tile_of: impl Fn(u32) -> usize,
-    ) {
+    /// Moves every cell to a new view; what leaves the image is forgotten. `tiles` are the lifetime
+    /// tiles of pixels.
+    pub(super) fn warp(&mut self, projection: &Projection, fading: &Fading, tiles: &[u32]) {
         self.plane.fill(Spot::EMPTY);
         let mut kept = 0;
         for i in 0..self.pool.len() {
             let mut cell = self.pool[i];
             if cell.pixel != NONE {
-                cell.weight *= fading.weights[tile_of(cell.pixel)];
+                cell.weight *= fading.weights[tiles[cell.pixel as usize] as usize];
             }
             if cell.weight < FORGOTTEN {
                 continue;

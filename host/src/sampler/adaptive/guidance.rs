@@ -125,7 +125,7 @@ impl Guidance {
             (variance + PRIOR * PRIOR_SPREAD) / (count + PRIOR)
         });
         // The tile's error holds what is left of the noise of its effects.
-        let error = known.error(config).powi(2);
+        let error = known.squared_error(config);
         let noise = |(spread, sums): (f32, [f32; 3])| spread * samples / sums[0].max(samples);
         let noise: f32 = spreads.into_iter().zip(told.0).map(noise).sum();
         let rest = (error - REMEMBERED * noise).max(LEAST);

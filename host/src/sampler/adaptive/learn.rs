@@ -26,8 +26,9 @@ pub(super) struct Find {
     fresh: Fresh,
     /// Place (pixels) and depth (metres) in the map's view; `None` if it cannot be projected.
     seen: Option<(Vec2, f32)>,
-    /// Its pixel, or [`NONE`].
+    /// Its pixel, or [`NONE`], and the tile of that.
     pixel: u32,
+    tile: u32,
     /// The cell in front there before the batch, or [`NONE`].
     front: u32,
     /// What was remembered there before the batch, if anything.
@@ -37,8 +38,8 @@ pub(super) struct Find {
 impl Adaptive {
     /// Learns from what was seen.
     ///
-    /// Memory is looked up for the whole batch before any of it changes: the look-ups hit cold
-    /// cache lines, and only those that do not wait for each other overlap.
+    /// Memory is looked up for the whole batch before any of it changes, one kind after the other: the
+    /// look-ups hit cold cache lines, and only those that do not wait for each other overlap.
     pub(super) fn learn(&mut self, eye: &dyn Eye) {
         let mut finds = std::mem::take(&mut self.scratch.finds);
         finds.clear();
@@ -50,7 +51,6 @@ impl Adaptive {
             }
             let seen = self.projection.project(hit.object, hit.local);
             let pixel = seen.map_or(NONE, |(at, _)| self.cells.pixel(at));
-            let spot = self.cells.plane.get(pixel as usize);
             finds.push(Find {
                 fresh: Fresh {
                     local: hit.local,
@@ -61,9 +61,16 @@ impl Adaptive {
                 },
                 seen,
                 pixel,
-                front: spot.map_or(NONE, |spot| spot.front),
+                tile: NONE,
+                front: NONE,
                 shown: None,
             });
+        }
+        for find in &mut finds {
+            if let Some(spot) = self.cells.plane.get(find.pixel as usize) {
+                find.front = spot.front;
+                find.tile = self.grid.of(find.pixel) as u32;
+            }
         }
         for find in &mut finds {
             find.shown = self.shown(find);
@@ -97,10 +104,7 @@ impl Adaptive {
     /// What the memory shows at a find's pixel: its front cell, drawn towards the mean of the
     /// tile where it stands for little.
     fn shown(&self, find: &Find) -> Option<Vec3> {
-        if find.pixel == NONE {
-            return None;
-        }
-        let mean = self.tiles[self.grid.of(find.pixel)].mean();
+        let mean = self.tiles.get(find.tile as usize)?.mean();
         match self.cells.pool.get(find.front as usize) {
             None => mean,
             Some(cell) => {
@@ -119,12 +123,12 @@ impl Adaptive {
             self.cells.deposit(fresh, at, depth, 0.0);
             return;
         }
-        let index = self.grid.of(find.pixel);
-        self.learned.push(index as u32);
+        let index = find.tile as usize;
+        self.learned.push(find.tile);
         let tile = &mut self.tiles[index];
         // What changes within a lifetime is to be known, not what changes between two samples: light
         // does not change evenly, and of jumps the slope over a short time is far too steep.
-        let hold = self.lifetimes.tau[self.lifetime_tiles[index] as usize];
+        let hold = self.lifetimes.tau[self.lifetime_tiles[find.pixel as usize] as usize];
         let index = self.cells.deposit(fresh, at, depth, hold);
         tile.samples += 1.0;
         tile.colour += fresh.colour;
@@ -169,7 +173,7 @@ impl Adaptive {
             self.sampled(find);
             return;
         }
-        let lifetimes = self.lifetime_tiles[self.grid.of(cell.pixel)] as usize;
+        let lifetimes = self.lifetime_tiles[cell.pixel as usize] as usize;
         if self.still && dc2 > EVIDENT && !self.lifetimes.corroborated(lifetimes, cell.pixel, time)
         {
             return;

@@ -91,10 +91,11 @@ pub struct Adaptive {
     cut: Option<f64>,
     order: Vec<u32>,
     random: Random,
-    /// A low-discrepancy sequence in each tile, the same in all: where neighbours have as many points, one
-    /// lattice goes on over their border.
-    points: Vec<R2>,
-    /// The lifetime tile of each tile.
+    /// A low-discrepancy sequence, the same in all tiles: where neighbours have as many points, one
+    /// lattice goes on over their border. And how many each tile took, going round.
+    points: R2,
+    taken: Vec<u32>,
+    /// The lifetime tile of each pixel of the map.
     lifetime_tiles: Vec<u32>,
     /// s²/r of each lifetime tile: squared levels × pixels × seconds a sample.
     noise: Vec<f32>,
@@ -109,6 +110,7 @@ pub struct Adaptive {
 struct Scratch {
     errors: Vec<f32>,
     shares: Vec<f32>,
+    dues: allocate::Dues,
     visits: Vec<u32>,
     plans: Vec<Plan>,
     intents: Vec<Intent>,
@@ -159,11 +161,9 @@ impl Adaptive {
         let size = UVec2::new(image.x.div_ceil(SIDE), image.y.div_ceil(SIDE));
         let grid = Grid::new(size);
         let lifetimes = Lifetimes::new(size, &config);
-        let lifetime_tiles = (0..grid.len() as u32)
-            .map(|tile| {
-                let at = grid.rect(tile).0 / lifetime::TILE;
-                at.y * lifetimes.grid.x + at.x
-            })
+        let lifetime_tiles = (0..size.y)
+            .flat_map(|y| (0..size.x).map(move |x| UVec2::new(x, y) / lifetime::TILE))
+            .map(|at| at.y * lifetimes.grid.x + at.x)
             .collect();
         Self {
             cells: Cells::new(size),
@@ -185,7 +185,8 @@ impl Adaptive {
             cut: None,
             order: allocate::z_order(grid.columns, grid.rows),
             random: Random::new(config.seed),
-            points: vec![R2::new(config.seed as u32); grid.len()],
+            points: R2::new(config.seed as u32),
+            taken: vec![0; grid.len()],
             rates: vec![0.0; grid.len()],
             lifetime_tiles,
             noise: Vec::new(),
@@ -233,7 +234,7 @@ impl Adaptive {
     fn noise(&self, at: UVec2) -> f32 {
         let (mut squares, mut count) = (0.0, 0.0);
         for tile in self.inside(at) {
-            squares += self.tiles[tile].error(&self.config).powi(2);
+            squares += self.tiles[tile].squared_error(&self.config);
             count += 1.0;
         }
         squares / (count * self.density(at).max(0.1))
@@ -304,8 +305,12 @@ impl Sampler for Adaptive {
         let codes: Vec<[LogCode; 2]> = (0..grid.y)
             .flat_map(|y| (0..grid.x).map(move |x| UVec2::new(x, y)))
             .map(|at| {
-                let lifetime = self.lifetimes.told((at.y * grid.x + at.x) as usize);
-                [log_code(lifetime), log_code(self.density(at))]
+                let lifetime = fields.lifetime.then(|| {
+                    let tile = (at.y * grid.x + at.x) as usize;
+                    log_code(self.lifetimes.told(tile))
+                });
+                let density = fields.density.then(|| log_code(self.density(at)));
+                [lifetime, density].map(|code| code.unwrap_or(LogCode(128)))
             })
             .collect();
         let map = Map {

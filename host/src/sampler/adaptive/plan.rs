@@ -38,6 +38,7 @@ impl Adaptive {
             &s.shares,
             count,
             self.random.unit(),
+            &mut s.dues,
             &mut s.visits,
         );
     }
@@ -50,6 +51,8 @@ impl Adaptive {
         let stride = golden_stride(count);
         let evenly = count as f32 / self.grid.size.element_product() as f32;
         let mut at = self.random.below(count.max(1) as u32) as usize;
+        // Where no effect was met there is no sequence to go on with.
+        let points = !self.config.guidance || self.guidance.guides();
         for i in 0..count {
             let tile = self.scratch.visits[at];
             at += stride;
@@ -83,7 +86,7 @@ impl Adaptive {
                     local: cell.local,
                     instead: place,
                 };
-            } else if care.pattern {
+            } else if care.pattern && points {
                 seed = self.pattern.seed(place, care);
             }
             self.scratch.plans.push(Plan {
@@ -100,18 +103,15 @@ impl Adaptive {
     /// random one and the cell there, or [`NONE`].
     fn aim(&mut self, tile: u32, again: bool) -> (Vec2, u32) {
         let (corner, size) = self.grid.rect(tile);
-        let point = if again {
-            Vec2::new(self.random.unit(), self.random.unit())
-        } else {
-            self.points[tile as usize].next()
-        };
-        let place = within(corner.as_vec2() + point * size.as_vec2(), self.grid.size);
-        let front = if again {
-            let pixel = place.y as u32 * self.grid.size.x + place.x as u32;
-            self.cells.plane[pixel as usize].front
-        } else {
-            NONE
-        };
-        (place, front)
+        let place = |point: Vec2| corner.as_vec2() + point * size.as_vec2();
+        if again {
+            let place = place(Vec2::new(self.random.unit(), self.random.unit()));
+            let spot = self.cells.plane.get(self.cells.pixel(place) as usize);
+            return (place, spot.map_or(NONE, |spot| spot.front));
+        }
+        let taken = &mut self.taken[tile as usize];
+        let point = self.points.nth(*taken);
+        *taken = taken.wrapping_add(1);
+        (place(point), NONE)
     }
 }

@@ -1,6 +1,6 @@
 //! What each 4×4-pixel tile knows: sums over its front cells.
 
-use glam::{UVec2, Vec3};
+use glam::{U16Vec2, UVec2, Vec3};
 
 use super::config::Config;
 
@@ -24,12 +24,6 @@ impl Tile {
         (self.samples > 0.05).then(|| self.colour / self.samples)
     }
 
-    /// The error of a sample here in displayed levels: the residuals' root mean square, drawn
-    /// towards a prior where little is known.
-    pub(super) fn error(&self, config: &Config) -> f32 {
-        self.squared_error(config).sqrt()
-    }
-
     /// How many samples a pixel here should have, in proportion: the error's root would do for the
     /// sum of squares, were all of it noise. But the larger the error, the more of it is what no
     /// number of samples takes away (an edge in a pixel, a texture finer than the filter), so the
@@ -40,8 +34,9 @@ impl Tile {
         fourth * fourth.sqrt()
     }
 
-    /// The square of [`Tile::error`].
-    fn squared_error(&self, config: &Config) -> f32 {
+    /// The squared error of a sample here, displayed levels squared: the residuals' mean square, drawn
+    /// towards a prior where little is known.
+    pub(super) fn squared_error(&self, config: &Config) -> f32 {
         let prior = config.prior_weight;
         let [b, br2] = self.residuals;
         let s2 = (br2 + prior * config.residual_prior * config.residual_prior) / (b + prior);
@@ -58,7 +53,7 @@ pub(super) struct Grid {
     /// The tile of each pixel: a look-up is cheaper than two divisions by the width.
     tiles: Vec<u32>,
     /// Left top corner of each tile.
-    corners: Vec<UVec2>,
+    corners: Vec<U16Vec2>,
     /// Pixels in each tile.
     pub(super) areas: Vec<f32>,
 }
@@ -74,7 +69,7 @@ impl Grid {
                 .flat_map(|y| (0..size.x).map(move |x| y / TILE * columns + x / TILE))
                 .collect(),
             corners: (0..columns * rows)
-                .map(|tile| UVec2::new(tile % columns, tile / columns) * TILE)
+                .map(|tile| (UVec2::new(tile % columns, tile / columns) * TILE).as_u16vec2())
                 .collect(),
             areas: Vec::new(),
         };
@@ -95,7 +90,7 @@ impl Grid {
 
     /// Left top corner and size of a tile, pixels; tiles at the right and bottom may be cut off.
     pub(super) fn rect(&self, tile: u32) -> (UVec2, UVec2) {
-        let corner = self.corners[tile as usize];
+        let corner = self.corners[tile as usize].as_uvec2();
         (corner, UVec2::splat(TILE).min(self.size - corner))
     }
 }

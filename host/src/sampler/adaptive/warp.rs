@@ -79,10 +79,8 @@ impl Adaptive {
             .extend(self.lifetimes.tau.iter().map(|&tau| fade(tau)));
         self.fading.residuals = (-step / c.residual_memory).exp();
         self.fading.gradients = (-step / c.gradient_memory).exp();
-        let (grid, lifetimes) = (&self.grid, &self.lifetime_tiles);
-        self.cells.warp(&self.projection, &self.fading, |pixel| {
-            lifetimes[grid.of(pixel)] as usize
-        });
+        self.cells
+            .warp(&self.projection, &self.fading, &self.lifetime_tiles);
         self.sum();
     }
 
@@ -123,14 +121,13 @@ impl Adaptive {
             if cell.weight <= 0.0 {
                 continue;
             }
-            let index = self.grid.of(cell.pixel);
-            let tile = &mut self.tiles[index];
+            let tile = &mut self.tiles[self.grid.of(cell.pixel)];
             tile.samples += cell.weight;
             tile.colour += cell.mean * cell.weight;
             tile.residuals[0] += cell.residuals[0];
             tile.residuals[1] += cell.residuals[1];
-            self.lifetimes
-                .add(self.lifetime_tiles[index] as usize, cell.gradients);
+            let tile = self.lifetime_tiles[cell.pixel as usize] as usize;
+            self.lifetimes.add(tile, cell.gradients);
             covered += 1;
         }
         self.stats.cells = self.cells.pool.len();
