@@ -157,7 +157,7 @@ fn turn_paper(config: &mut paper::Config, key: &str, number: f64) {
     }
 }
 
-/// Sets a knob of the display: `sigma` pixels (0: each sample for its own pixel) and `lifetime` seconds everywhere, `hidden`, `linear`.
+/// Sets a knob of the display: `sigma` pixels (0: each sample for its own pixel) and `lifetime` seconds everywhere, `hidden`, `fill`, `linear`.
 fn turn_display(config: &mut unframed_recon::Config, key: &str, number: f32) {
     let log = (number.log2() * 256.0) as i16;
     match key {
@@ -165,6 +165,7 @@ fn turn_display(config: &mut unframed_recon::Config, key: &str, number: f32) {
         "sigma" => config.extents = Extents::Constant(log),
         "lifetime" => config.lifetime = Lifetime::Constant(log),
         "hidden" => config.hidden = number != 0.0,
+        "fill" => config.fill = number != 0.0,
         "linear" if number == 0.0 => config.fit = Fit::Constant,
         "linear" => config.fit = Fit::Linear,
         _ => panic!("display_{key}: no such knob"),

@@ -213,7 +213,7 @@ pub trait Arith: Copy + Default + PartialEq + core::fmt::Debug + 'static {
     fn centre(panel: &Panel, pixel: i32) -> Self::Coord;
 
     /// Depth made farther by the tolerance of the hidden-point test at cells of `cell` pixels
-    /// (1, 2 or 32): a factor of 1 + 0.05·cell.
+    /// (1, 2 or 4): a factor of 1.05, 1.1 or 2.6.
     fn behind(depth: Self::Depth, cell: u32) -> Self::Depth;
 
     /// A depth of that test where something that moves passes before what does not: a factor of 1/1.03.

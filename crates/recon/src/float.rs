@@ -112,7 +112,12 @@ macro_rules! float_arith {
             }
 
             fn behind(depth: $float, cell: u32) -> $float {
-                depth + $log2(1.0 + 0.05 * cell as $float)
+                depth
+                    + $log2(match cell {
+                        1 => 1.05,
+                        2 => 1.1,
+                        _ => 2.6,
+                    })
             }
 
             fn nearer(depth: $float) -> $float {

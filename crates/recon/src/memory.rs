@@ -6,7 +6,7 @@
 //! |---|---|---|
 //! | deep buffer | 16 N | |
 //! | projected samples | 12 N, and 12 N more where they are sorted | all but [`crate::own`] |
-//! | minima, limits and movers | (5.5 + 1/512) W H | the hidden-point test |
+//! | minima, limits and movers | 5.625 W H | the hidden-point test |
 //! | masses | 4 W H | that test, widths by density |
 //! | lifetimes, then widths | 2 W H | |
 //! | sums | 32 W H | |

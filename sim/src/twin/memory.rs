@@ -174,7 +174,7 @@ fn steps(gpu: &Gpu, levels: Vec<Level>) -> Result<Vec<Step>, GpuError> {
     levels.into_iter().map(step).collect()
 }
 
-/// From the pixels' minima to those of 2 pixels, and from them to those of 32.
+/// From the pixels' minima to those of 2 pixels, and from them to those of 4.
 fn minima_levels(panel: &Panel) -> Vec<Level> {
     let size = |side: usize| {
         [panel.width, panel.height].map(|pixels| u32::from(pixels).div_ceil(side as u32))

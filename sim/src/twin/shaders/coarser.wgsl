@@ -1,4 +1,4 @@
-// Minima of a coarser level from a finer one: of 2 pixels from pixels, of 32 from 2. Twin of the
+// Minima of a coarser level from a finer one: of 2 pixels from pixels, of 4 from 2. Twin of the
 // first half of hidden::limits.
 
 @group(0) @binding(3) var<storage, read_write> minima: array<u32>;

@@ -1,5 +1,5 @@
 // The depth beyond which each pixel is hidden: behind the 7th smallest minimum of the 3 × 3 cells
-// of 1 pixel, the 8th of 2 pixels, the largest of 32 pixels. Twin of hidden::limits.
+// of 1 pixel, the 8th of 2 pixels, the largest of 4 pixels. Twin of hidden::limits.
 
 @group(0) @binding(2) var<storage, read> minima: array<u32>;
 @group(0) @binding(3) var<storage, read_write> limits: array<u32>;
@@ -53,6 +53,6 @@ fn main(
     // log2(1.05), log2(1.1), log2(2.6) with 11 fractional bits.
     var limit = behind(top_three(around(0i, 1i, x, y)).x, 144u);
     limit = min(limit, behind(top_three(around(halves, 2i, x, y)).y, 282u));
-    limit = min(limit, behind(top_three(around(blocks, 32i, x, y)).z, 2823u));
+    limit = min(limit, behind(top_three(around(blocks, 4i, x, y)).z, 2823u));
     limits[i] = limit;
 }
