@@ -201,7 +201,8 @@ impl<'a, D> Minima<'a, D> {
 /// The coarser minima from the first level.
 pub fn coarsen<A: Arith>(panel: &Panel, minima: &mut Minima<'_, A::Depth>) {
     let width = usize::from(panel.width).max(1);
-    let levels = [(&mut *minima.halves, 2), (&mut *minima.blocks, 4)];
+    let [_, half, block] = CELLS;
+    let levels = [(&mut *minima.halves, half), (&mut *minima.blocks, block)];
     for (cells, side) in levels {
         cells.fill(A::FAR);
         let rows = cells.chunks_mut(width.div_ceil(side).max(1));
@@ -221,9 +222,9 @@ pub fn coarsen<A: Arith>(panel: &Panel, minima: &mut Minima<'_, A::Depth>) {
 pub fn limits<A: Arith>(panel: &Panel, minima: &[A::Depth], top: usize, limits: &mut [A::Depth]) {
     limits.fill(A::FAR);
     let [fine, halves, blocks] = levels(panel, minima);
-    lower::<A, 1>(panel, fine, top, limits, |[third, ..]| third);
-    lower::<A, 2>(panel, halves, top, limits, |[_, second, _]| second);
-    lower::<A, 4>(panel, blocks, top, limits, |[.., first]| first);
+    lower::<A, { CELLS[0] }>(panel, fine, top, limits, |[third, ..]| third);
+    lower::<A, { CELLS[1] }>(panel, halves, top, limits, |[_, second, _]| second);
+    lower::<A, { CELLS[2] }>(panel, blocks, top, limits, |[.., first]| first);
 }
 
 /// The levels of minima: of pixels, of 2 and of 4 pixels.

@@ -74,44 +74,36 @@ fn sum(values: &[f32]) -> f64 {
 /// Bits before and behind the point of shares counted in visits.
 const BITS: u32 = 30;
 
-/// Buffers of [`visits`].
-#[derive(Clone, Debug, Default)]
-pub(super) struct Dues {
-    /// The shares in visits, in fixed point.
-    shares: Vec<i32>,
-}
-
-/// Turns fractional shares into whole visits: tile `order[k]` stands in `out` so often that every prefix
+/// Turns fractional shares into fraction visits: tile `order[k]` stands in `out` so often that every prefix
 /// of the order has got its share within one visit (systematic sampling; the same expectation for
 /// each tile as its share). `offset` in 0..1. Exactly `count` visits.
 ///
 /// In integers, whose sums have no rounding to wait for: how many visits are due up to a tile is
 /// their sum, shifted. Each tile is written where its first visit would stand, and stays if it has one:
-/// which tiles have, no processor foresees.
+/// which tiles have, no processor foresees. `dues` is a buffer.
 pub(super) fn visits(
     order: &[u32],
     shares: &[f32],
     count: usize,
     offset: f32,
-    dues: &mut Dues,
+    dues: &mut Vec<i32>,
     out: &mut Vec<u32>,
 ) {
     out.clear();
     if count == 0 || order.is_empty() {
         return;
     }
-    let whole = BITS.saturating_sub(usize::BITS - count.leading_zeros());
-    let one = (1u64 << whole) as f64;
+    let fraction = BITS.saturating_sub(usize::BITS - count.leading_zeros());
+    let one = (1u64 << fraction) as f64;
     let scale = (one * count as f64 / sum(shares)) as f32;
-    dues.shares.clear();
-    dues.shares
-        .extend(shares.iter().map(|&s| (s * scale) as i32));
+    dues.clear();
+    dues.extend(shares.iter().map(|&s| (s * scale) as i32));
     out.resize(count + 1, 0);
     let mut sum = ((one * (1.0 - f64::from(offset))) as u64).saturating_sub(1);
     let mut taken = 0;
     for &tile in order {
-        sum += dues.shares[tile as usize] as u64;
-        let due = ((sum >> whole) as usize).min(count);
+        sum += dues[tile as usize] as u64;
+        let due = ((sum >> fraction) as usize).min(count);
         out[taken] = tile;
         if due > taken + 1 {
             out[taken + 1..due].fill(tile);
@@ -206,7 +198,7 @@ mod tests {
         let shares: Vec<f32> = (0..32).map(|_| random.unit()).collect();
         let total: f32 = shares.iter().sum();
         let mut sums = [0.0f32; 32];
-        let (mut dues, mut out) = (Dues::default(), Vec::new());
+        let (mut dues, mut out) = (Vec::new(), Vec::new());
         for round in 0..200 {
             let offset = (round as f32 + 0.5) / 200.0;
             visits(&order, &shares, 17, offset, &mut dues, &mut out);

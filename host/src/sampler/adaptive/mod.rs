@@ -110,7 +110,7 @@ pub struct Adaptive {
 struct Scratch {
     errors: Vec<f32>,
     shares: Vec<f32>,
-    dues: allocate::Dues,
+    dues: Vec<i32>,
     visits: Vec<u32>,
     plans: Vec<Plan>,
     intents: Vec<Intent>,
