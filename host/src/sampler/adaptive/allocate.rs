@@ -74,7 +74,7 @@ fn sum(values: &[f32]) -> f64 {
 /// Bits before and behind the point of shares counted in visits.
 const BITS: u32 = 30;
 
-/// Turns fractional shares into fraction visits: tile `order[k]` stands in `out` so often that every prefix
+/// Turns fractional shares into whole visits: tile `order[k]` stands in `out` so often that every prefix
 /// of the order has got its share within one visit (systematic sampling; the same expectation for
 /// each tile as its share). `offset` in 0..1. Exactly `count` visits.
 ///
